@@ -1,0 +1,74 @@
+#include "common/log.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+namespace diaphane::log {
+namespace {
+
+std::string g_program = "diaphane";
+Level g_minimum = Level::kInfo;
+thread_local std::string t_request_id;
+
+std::string now_rfc3339() {
+  const auto now = std::chrono::system_clock::now();
+  const auto ms =
+      std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count() % 1000;
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  char text[40];
+  std::snprintf(text, sizeof text, "%04d-%02d-%02dT%02d:%02d:%02d.%03dZ", utc.tm_year + 1900,
+                utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec,
+                static_cast<int>(ms));
+  return text;
+}
+
+const char* name_of(Level level) {
+  switch (level) {
+    case Level::kDebug:
+      return "debug";
+    case Level::kInfo:
+      return "info";
+    case Level::kWarning:
+      return "warning";
+    case Level::kError:
+      return "error";
+  }
+  return "error";
+}
+
+}  // namespace
+
+void start(std::string program, Level minimum) {
+  g_program = std::move(program);
+  g_minimum = minimum;
+}
+
+void write(Level level, std::string_view event, std::initializer_list<Field> fields) {
+  if (level < g_minimum) return;
+  nlohmann::ordered_json line;
+  line["time"] = now_rfc3339();
+  line["level"] = name_of(level);
+  line["program"] = g_program;
+  line["event"] = std::string(event);
+  if (!t_request_id.empty()) line["request_id"] = t_request_id;
+  for (const Field& field : fields) {
+    std::visit([&](const auto& value) { line[std::string(field.key)] = value; }, field.value);
+  }
+  // Bytes that are not UTF-8 are replaced, so a line is always valid JSON.
+  const std::string text =
+      line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
+}
+
+RequestScope::RequestScope(std::string request_id)
+    : outer_(std::exchange(t_request_id, std::move(request_id))) {}
+RequestScope::~RequestScope() { t_request_id = std::move(outer_); }
+std::string_view current_request_id() { return t_request_id; }
+
+}  // namespace diaphane::log

@@ -1,0 +1,75 @@
+#include "common/service/admin_server.h"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+
+namespace diaphane::service {
+namespace {
+
+std::uint16_t free_port() {
+  const int fd = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address);
+  socklen_t size = sizeof address;
+  getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+  close(fd);
+  return ntohs(address.sin_port);
+}
+
+std::string get(std::uint16_t port, const std::string& path) {
+  const int fd = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) return "";
+  const std::string request = "GET " + path + " HTTP/1.1\r\nHost: x\r\n\r\n";
+  if (write(fd, request.data(), request.size()) < 0) return "";
+  std::string answer;
+  char buffer[4096];
+  for (ssize_t got; (got = read(fd, buffer, sizeof buffer)) > 0;) answer.append(buffer, got);
+  close(fd);
+  return answer;
+}
+
+TEST(AdminServer, ReadinessFollowsItsChecksAndHealthDoesNot) {
+  std::atomic<bool> database{true};
+  AdminServer::Options options;
+  options.port = free_port();
+  options.program = "test";
+  options.checks = {{"database", [&] { return database.load(); }}};
+  options.details = [] { return std::string(R"({"engine":"cpu"})"); };
+  const std::uint16_t port = options.port;
+  auto server = AdminServer::start(std::move(options));
+  ASSERT_TRUE(server.has_value()) << server.error().message;
+  EXPECT_NE(get(port, "/readyz").find("200 OK"), std::string::npos);
+  EXPECT_NE(get(port, "/readyz").find(R"("engine":"cpu")"), std::string::npos);
+  database = false;
+  EXPECT_NE(get(port, "/readyz").find("503"), std::string::npos);
+  EXPECT_NE(get(port, "/healthz").find("200 OK"), std::string::npos);
+  database = true;
+  (*server)->set_draining();
+  EXPECT_NE(get(port, "/readyz").find("503"), std::string::npos);
+  EXPECT_NE(get(port, "/metrics").find("diaphane_start_time_seconds"), std::string::npos);
+}
+
+TEST(AdminServer, APortInUseIsAnErrorNotACrash) {
+  AdminServer::Options first;
+  first.port = free_port();
+  AdminServer::Options second = first;
+  auto a = AdminServer::start(std::move(first));
+  ASSERT_TRUE(a.has_value());
+  auto b = AdminServer::start(std::move(second));
+  ASSERT_FALSE(b.has_value());
+  EXPECT_EQ(b.error().code, ErrorCode::kUnavailable);
+}
+
+}  // namespace
+}  // namespace diaphane::service

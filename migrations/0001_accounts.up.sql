@@ -1,0 +1,57 @@
+-- Accounts, the tokens mailed to them, and signed-in browsers. No token is stored: only its BLAKE2b-256.
+CREATE TABLE users (
+  id             uuid PRIMARY KEY,
+  email          text NOT NULL CHECK (length(email) BETWEEN 3 AND 254),
+  email_key      text NOT NULL UNIQUE,          -- lower case: one account an address
+  password_hash  text NOT NULL,                 -- argon2id, encoded form
+  verified_at    timestamptz,
+  created_at     timestamptz NOT NULL DEFAULT now(),
+  quota_bytes    bigint NOT NULL DEFAULT 21474836480 CHECK (quota_bytes >= 0)
+);
+
+CREATE TABLE email_tokens (
+  token_hash  bytea PRIMARY KEY,
+  user_id     uuid NOT NULL REFERENCES users ON DELETE CASCADE,
+  purpose     text NOT NULL CHECK (purpose IN ('verify')),
+  expires_at  timestamptz NOT NULL
+);
+
+CREATE TABLE web_sessions (
+  token_hash   bytea PRIMARY KEY,
+  user_id      uuid NOT NULL REFERENCES users ON DELETE CASCADE,
+  csrf_token   text NOT NULL,
+  created_at   timestamptz NOT NULL DEFAULT now(),
+  expires_at   timestamptz NOT NULL
+);
+CREATE INDEX web_sessions_user ON web_sessions (user_id);
+CREATE INDEX web_sessions_expiry ON web_sessions (expires_at);
+
+-- Failed sign-ins by account and by address; what is over the limit waits.
+CREATE TABLE sign_in_failures (
+  key         bytea NOT NULL,                   -- BLAKE2b-256 of "account:..." or "address:..."
+  failed_at   timestamptz NOT NULL DEFAULT now()
+);
+CREATE INDEX sign_in_failures_key ON sign_in_failures (key, failed_at);
+
+-- Outgoing mail, sent by `api` after the transaction that asked for it has committed.
+CREATE TABLE mail_queue (
+  id          bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
+  recipient   text NOT NULL,
+  subject     text NOT NULL,
+  body        text NOT NULL,
+  attempts    int NOT NULL DEFAULT 0,
+  not_before  timestamptz NOT NULL DEFAULT now()
+);
+
+-- Answers of creations, replayed when the same key comes again.
+CREATE TABLE idempotency_keys (
+  user_id     uuid NOT NULL REFERENCES users ON DELETE CASCADE,
+  route       text NOT NULL,
+  key         text NOT NULL CHECK (length(key) BETWEEN 1 AND 128),
+  request_hash bytea NOT NULL,
+  status      int NOT NULL,
+  body        text NOT NULL,
+  location    text NOT NULL DEFAULT '',
+  created_at  timestamptz NOT NULL DEFAULT now(),
+  PRIMARY KEY (user_id, route, key)
+);

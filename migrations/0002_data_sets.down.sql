@@ -1,0 +1,1 @@
+DROP TABLE disposals, ingest_jobs, uploads, data_sets;

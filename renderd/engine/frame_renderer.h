@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "api/proto/scene.pb.h"
+#include "common/result.h"
+#include "volume/volume.h"
+
+namespace diaphane::render {
+
+struct Canvas {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+};
+
+/// sRGB-like display picture: 8 bits, interleaved RGB, rows from the top, no padding.
+struct PictureRgb8 {
+  Canvas size;
+  std::vector<std::uint8_t> pixels;
+};
+
+/// Linear radiance: interleaved RGB, rows from the top.
+struct PictureRgbF {
+  Canvas size;
+  std::vector<float> pixels;
+};
+
+struct EngineInfo {
+  std::string engine;            ///< "cpu" or "cuda"
+  std::string device;            ///< "2 CPU threads", "NVIDIA H200"
+  std::uint64_t memory_bytes = 0;
+};
+
+/// A volume on a device, shared by everybody who looks at it. Freed with the last holder.
+class DeviceVolume {
+ public:
+  virtual ~DeviceVolume() = default;
+  virtual const volume::Header& header() const = 0;
+  virtual std::uint64_t device_bytes() const = 0;
+};
+
+/// What one call of FrameRenderer::render did.
+struct Batch {
+  std::uint32_t samples = 0;          ///< per pixel; fewer than asked when stopped
+  double seconds = 0;
+  std::uint64_t dropped_samples = 0;  ///< not finite: dropped and counted
+};
+
+/// The state of the accumulated picture.
+struct Progress {
+  std::uint64_t samples = 0;     ///< per pixel
+  double seconds = 0;            ///< of rendering, since the scene was set
+  /// Estimated relative RMSE of the picture as displayed against the converged one, from independent halves;
+  /// infinity below two samples.
+  double error = 0;
+};
+
+/// Renders one session's picture progressively. Not thread-safe; the runner calls it from one thread.
+class FrameRenderer {
+ public:
+  virtual ~FrameRenderer() = default;
+  /// Replaces scene and canvas and clears the film. On an error (kInvalid names the field) scene, canvas and
+  /// picture stay as they were.
+  virtual Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) = 0;
+  /// Adds up to `samples` samples per pixel; returns early, between rows or launches, when `stop` says so;
+  /// then the unfinished part is discarded, so that every pixel has the same count.
+  virtual Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) = 0;
+  virtual Progress progress() const = 0;
+  /// Tone-mapped picture of what is accumulated.
+  virtual Result<void> display(PictureRgb8& out) = 0;
+  virtual Result<void> radiance(PictureRgbF& out) = 0;
+  /// Names of the features compiled in for this scene, for reports.
+  virtual std::vector<std::string> features() const = 0;
+};
+
+/// One device. Thread-safe.
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  virtual EngineInfo info() const = 0;
+  virtual Result<std::shared_ptr<const DeviceVolume>> load(const volume::Volume& volume) = 0;
+  /// `seed` and `first_sample` keep the sample ranges of different devices disjoint.
+  virtual Result<std::unique_ptr<FrameRenderer>> renderer(std::shared_ptr<const DeviceVolume> volume,
+                                                          std::uint64_t seed,
+                                                          std::uint64_t first_sample) = 0;
+};
+
+enum class EngineChoice { kAuto, kCpu, kCuda };
+
+/// kAuto: CUDA when it was compiled in and a device answers, else the CPU. `threads` 0: all cores.
+Result<std::unique_ptr<Engine>> make_engine(EngineChoice choice, unsigned threads);
+
+}  // namespace diaphane::render
