@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/result.h"
+
+/// What the REST side and the stream gateway need of the render workers. Implemented over Redis
+/// (api/redis) and gRPC (api/stream); docs/contracts.md, "Redis" and "Stream", has the keys.
+namespace diaphane::api {
+
+/// A session as it is kept in Redis. Nothing of it is kept elsewhere.
+struct SessionInfo {
+  std::string id;       ///< common/ids.h form
+  std::string user_id;  ///< who opened it; to anybody else it does not exist
+  std::string data_set_id;
+  std::string worker_id;  ///< where it was placed last
+};
+
+struct PlaceRequest {
+  std::string
+      session_id;  ///< new, or one of this user's: then it is placed again if its worker has gone
+  std::string user_id;
+  std::string data_set_id;
+};
+
+/// Where the session is now and a fresh ticket for one connection to it.
+struct Placed {
+  std::string ticket;  ///< 64 hexadecimal digits, single use, lives 30 s
+  std::string worker_id;
+  std::uint64_t placement = 0;  ///< counts the placings of this session
+};
+
+/// Chooses the worker of a session and remembers whose session it is. Thread-safe.
+/// Every function: kUnavailable when Redis is away (recovers by itself).
+class Placement {
+ public:
+  virtual ~Placement() = default;
+  /// One round trip. Idempotent for a session whose worker lives (only the ticket is new).
+  /// kUnavailable: no worker with a free slot. kNotFound: the id is a session of another user.
+  /// kTooMany: the user has as many sessions as one may have.
+  virtual Result<Placed> place(const PlaceRequest& request) = 0;
+  /// kNotFound when there is none.
+  virtual Result<SessionInfo> find(std::string_view session_id) = 0;
+  /// The user's sessions, oldest first.
+  virtual Result<std::vector<SessionInfo>> sessions_of(std::string_view user_id) = 0;
+  /// Forgets the session and gives its slot back. Ending what has gone already is no error.
+  virtual Result<void> end(std::string_view session_id) = 0;
+  /// Ends every session that looks at the data set, whoever opened it: it is being deleted.
+  virtual Result<void> end_all_of(std::string_view data_set_id) = 0;
+  /// Within 100 ms: for /readyz.
+  virtual bool reachable() = 0;
+};
+
+/// What the gateway needs to attach a browser to its worker.
+struct Attachment {
+  SessionInfo session;
+  std::string address;      ///< host:port of the worker's gRPC
+  std::string incarnation;  ///< of the worker when it was placed
+  std::uint64_t placement = 0;
+  std::string scene;  ///< last known scene, serialised diaphane.v1.Scene; empty: none yet
+  std::uint64_t input_seq = 0;
+  std::uint32_t width = 0, height = 0;  ///< last known viewport; 0: none yet
+};
+
+/// The gateway's side of a ticket. Thread-safe.
+class Tickets {
+ public:
+  virtual ~Tickets() = default;
+  /// Uses the ticket up, also when what follows fails. kUnauthenticated: unknown, used or too old.
+  /// kNotFound: its session has gone. kUnavailable: its worker, or Redis, has gone.
+  virtual Result<Attachment> consume(std::string_view ticket) = 0;
+};
+
+struct StillRequest {
+  std::string data_set_id;
+  std::string preset;  ///< "skin", "muscle", "vessels", "bone"
+  std::uint32_t width = 320, height = 320;
+  std::uint32_t samples = 64;  ///< per pixel
+};
+
+/// Pictures without a session: thumbnails. Thread-safe; blocks up to 20 s.
+class Stills {
+ public:
+  virtual ~Stills() = default;
+  /// JPEG bytes. kUnavailable: no worker answers. kNotFound: the worker has no such volume.
+  virtual Result<std::string> render(const StillRequest& request) = 0;
+};
+
+}  // namespace diaphane::api
