@@ -13,27 +13,26 @@ enum class Modality { kOther, kCt, kMr, kPt };
 
 /// What is kept of a scan: an allow-list (design: ingest, "Nothing that identifies is kept").
 struct Header {
-  std::array<std::uint32_t, 3> size{};           ///< voxels along x, y, z
-  std::array<double, 3> spacing{1, 1, 1};        ///< mm
-  /// Row-major; columns are the unit axes of x, y, z in the patient's space (LPS). Orthonormal, determinant +1:
-  /// a left-handed stack is stored with one axis reversed, so a picture is never mirrored.
+  std::array<std::uint32_t, 3> size{};     ///< voxels along x, y, z
+  std::array<double, 3> spacing{1, 1, 1};  ///< mm
+  /// Row-major; columns are the unit axes of x, y, z in the patient's space (LPS). Orthonormal,
+  /// determinant +1: a left-handed stack is stored with one axis reversed, so a picture is never
+  /// mirrored.
   std::array<double, 9> direction{1, 0, 0, 0, 1, 0, 0, 0, 1};
   Modality modality = Modality::kOther;
   double window_center = 0;
-  double window_width = 0;                       ///< 0: unknown
+  double window_width = 0;  ///< 0: unknown
   std::int32_t minimum = 0;
   std::int32_t maximum = 0;
-  std::array<double, 8> percentiles{};           ///< at 1, 10, 25, 50, 75, 90, 99, 99.9 %
-  std::string content_hash;                      ///< empty until stored
-  std::vector<std::string> repairs;              ///< in plain words
+  std::array<double, 8> percentiles{};  ///< at 1, 10, 25, 50, 75, 90, 99, 99.9 %
+  std::string content_hash;             ///< empty until stored
+  std::vector<std::string> repairs;     ///< in plain words
 
-  std::uint64_t voxel_count() const {
-    return std::uint64_t{size[0]} * size[1] * size[2];
-  }
+  std::uint64_t voxel_count() const { return std::uint64_t{size[0]} * size[1] * size[2]; }
 };
 
-/// Voxel (x, y, z) is voxels[x + size[0] * (y + size[1] * z)]; its centre is at index (x, y, z) + 1/2 of the
-/// box [0, size]; values are Hounsfield units for CT, stored units otherwise.
+/// Voxel (x, y, z) is voxels[x + size[0] * (y + size[1] * z)]; its centre is at index (x, y, z) +
+/// 1/2 of the box [0, size]; values are Hounsfield units for CT, stored units otherwise.
 struct Volume {
   Header header;
   std::vector<std::int16_t> voxels;
@@ -47,8 +46,8 @@ void measure(Volume& volume);
 Result<Volume> read(const std::string& directory, bool verify_hash);
 Result<Header> read_header(const std::string& directory);
 
-/// Writes both files under a temporary name beside `directory`, syncs and renames, so that a reader never sees
-/// half a volume. Fills content_hash. kConflict when `directory` exists.
+/// Writes both files under a temporary name beside `directory`, syncs and renames, so that a reader
+/// never sees half a volume. Fills content_hash. kConflict when `directory` exists.
 Result<void> write(Volume& volume, const std::string& directory);
 
 }  // namespace diaphane::volume

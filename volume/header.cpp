@@ -1,0 +1,145 @@
+#include "volume/header.h"
+
+#include <google/protobuf/util/json_util.h>
+
+#include <cmath>
+
+#include "api/proto/volume.pb.h"
+
+namespace diaphane::volume {
+namespace {
+
+constexpr std::uint32_t kFormat = 1;
+
+double dot(const std::array<double, 9>& m, int a, int b) {
+  return m[a] * m[b] + m[3 + a] * m[3 + b] + m[6 + a] * m[6 + b];
+}
+
+double determinant(const std::array<double, 9>& m) {
+  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
+         m[2] * (m[3] * m[7] - m[4] * m[6]);
+}
+
+}  // namespace
+
+Result<void> check(const Header& header) {
+  std::uint64_t count = 1;
+  for (const std::uint32_t side : header.size) {
+    if (side == 0 || side > kMaxSide)
+      return fail(ErrorCode::kInvalid, "a side is empty or too long", "size");
+    count *= side;  // three factors below 2^16 fit in 64 bits
+  }
+  if (count > kMaxVoxels) return fail(ErrorCode::kTooLarge, "more voxels than 2^32", "size");
+  for (const double s : header.spacing) {
+    if (!std::isfinite(s) || s <= 0)
+      return fail(ErrorCode::kInvalid, "spacing must be positive", "spacing");
+  }
+  // Stored as decimal text by many writers: four digits are what one may ask of orthonormality.
+  constexpr double kTolerance = 1e-3;
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) {
+      if (!(std::abs(dot(header.direction, a, b) - (a == b ? 1 : 0)) < kTolerance)) {
+        return fail(ErrorCode::kInvalid, "the axes are not orthonormal", "direction");
+      }
+    }
+  }
+  if (!(determinant(header.direction) > 0)) {
+    return fail(ErrorCode::kInvalid, "the axes are left-handed: the picture would be mirrored",
+                "direction");
+  }
+  if (header.minimum > header.maximum || header.minimum < INT16_MIN || header.maximum > INT16_MAX) {
+    return fail(ErrorCode::kInvalid, "minimum and maximum do not fit", "minimum");
+  }
+  if (!std::isfinite(header.window_center) || !std::isfinite(header.window_width) ||
+      header.window_width < 0) {
+    return fail(ErrorCode::kInvalid, "the window is not a number", "windowWidth");
+  }
+  for (const double p : header.percentiles) {
+    if (!std::isfinite(p))
+      return fail(ErrorCode::kInvalid, "a percentile is not a number", "percentiles");
+  }
+  return {};
+}
+
+Result<std::string> to_json(const Header& header) {
+  if (auto ok = check(header); !ok) return tl::unexpected(ok.error());
+  v1::VolumeHeader message;
+  message.set_format(kFormat);
+  for (const auto v : header.size) message.add_size(v);
+  for (const auto v : header.spacing) message.add_spacing(v);
+  for (const auto v : header.direction) message.add_direction(v);
+  switch (header.modality) {
+    case Modality::kCt:
+      message.set_modality(v1::VolumeHeader::CT);
+      break;
+    case Modality::kMr:
+      message.set_modality(v1::VolumeHeader::MR);
+      break;
+    case Modality::kPt:
+      message.set_modality(v1::VolumeHeader::PT);
+      break;
+    case Modality::kOther:
+      message.set_modality(v1::VolumeHeader::OTHER);
+      break;
+  }
+  message.set_window_center(header.window_center);
+  message.set_window_width(header.window_width);
+  message.set_minimum(header.minimum);
+  message.set_maximum(header.maximum);
+  for (const auto v : header.percentiles) message.add_percentiles(v);
+  message.set_content_hash(header.content_hash);
+  for (const auto& repair : header.repairs) message.add_repairs(repair);
+  std::string text;
+  google::protobuf::util::JsonPrintOptions options;
+  options.add_whitespace = true;
+  options.always_print_primitive_fields = true;
+  if (!google::protobuf::util::MessageToJsonString(message, &text, options).ok()) {
+    return fail(ErrorCode::kInternal, "the header cannot be written as JSON");
+  }
+  return text;
+}
+
+Result<Header> from_json(const std::string& text) {
+  v1::VolumeHeader message;
+  if (!google::protobuf::util::JsonStringToMessage(text, &message).ok()) {
+    return fail(ErrorCode::kInvalid, "volume.json is not a volume header");
+  }
+  if (message.format() != kFormat) {
+    return fail(ErrorCode::kUnsupported, "volume.json is of another format", "format");
+  }
+  if (message.size_size() != 3 || message.spacing_size() != 3 || message.direction_size() != 9 ||
+      message.percentiles_size() != 8) {
+    return fail(ErrorCode::kInvalid, "volume.json lacks sizes, spacings, axes or percentiles");
+  }
+  Header header;
+  for (int i = 0; i < 3; ++i) {
+    header.size[i] = message.size(i);
+    header.spacing[i] = message.spacing(i);
+  }
+  for (int i = 0; i < 9; ++i) header.direction[i] = message.direction(i);
+  for (int i = 0; i < 8; ++i) header.percentiles[i] = message.percentiles(i);
+  switch (message.modality()) {
+    case v1::VolumeHeader::CT:
+      header.modality = Modality::kCt;
+      break;
+    case v1::VolumeHeader::MR:
+      header.modality = Modality::kMr;
+      break;
+    case v1::VolumeHeader::PT:
+      header.modality = Modality::kPt;
+      break;
+    default:
+      header.modality = Modality::kOther;
+      break;
+  }
+  header.window_center = message.window_center();
+  header.window_width = message.window_width();
+  header.minimum = message.minimum();
+  header.maximum = message.maximum();
+  header.content_hash = message.content_hash();
+  header.repairs.assign(message.repairs().begin(), message.repairs().end());
+  if (auto ok = check(header); !ok) return tl::unexpected(ok.error());
+  return header;
+}
+
+}  // namespace diaphane::volume

@@ -1,0 +1,223 @@
+#include "volume/store.h"
+
+#include <fcntl.h>
+#include <stdio.h>  // renameat2
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <utility>
+
+#include "common/ids.h"
+#include "volume/hash.h"
+#include "volume/header.h"
+#include "volume/volume.h"
+
+namespace diaphane::volume {
+namespace {
+
+namespace fs = std::filesystem;
+
+static_assert(std::endian::native == std::endian::little, "voxels.i16 is little endian");
+
+constexpr const char* kHeaderFile = "volume.json";
+constexpr const char* kVoxelFile = "voxels.i16";
+constexpr const char* kTemporaryPrefix = ".tmp-";
+constexpr off_t kMaxHeaderBytes = 1 << 20;
+
+class Fd {
+ public:
+  explicit Fd(int fd) : fd_(fd) {}
+  Fd(const Fd&) = delete;
+  Fd& operator=(const Fd&) = delete;
+  ~Fd() {
+    if (fd_ >= 0) close(fd_);
+  }
+  int get() const { return fd_; }
+  explicit operator bool() const { return fd_ >= 0; }
+
+ private:
+  int fd_;
+};
+
+bool write_all(int fd, const void* data, std::size_t bytes) {
+  const char* at = static_cast<const char*>(data);
+  while (bytes > 0) {
+    const ssize_t done = ::write(fd, at, bytes);
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) return false;
+    at += done;
+    bytes -= static_cast<std::size_t>(done);
+  }
+  return true;
+}
+
+bool read_all(int fd, void* data, std::size_t bytes) {
+  char* at = static_cast<char*>(data);
+  while (bytes > 0) {
+    const ssize_t done = ::read(fd, at, bytes);
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) return false;
+    at += done;
+    bytes -= static_cast<std::size_t>(done);
+  }
+  return true;
+}
+
+Error disk_error(const char* what) {
+  const ErrorCode code =
+      errno == ENOSPC || errno == EDQUOT ? ErrorCode::kTooLarge : ErrorCode::kUnavailable;
+  return {code, std::string(what) + ": " + std::strerror(errno), {}};
+}
+
+Result<void> write_file(int directory, const char* name, const void* data, std::size_t bytes) {
+  const Fd file(
+      openat(directory, name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0640));
+  if (!file || !write_all(file.get(), data, bytes) || fsync(file.get()) != 0) {
+    return tl::unexpected(disk_error("a volume cannot be written"));
+  }
+  return {};
+}
+
+/// A regular file of `directory`; a link or anything else is refused.
+Result<std::pair<int, off_t>> open_file(const std::string& directory, const char* name) {
+  const Fd parent(open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!parent) return fail(ErrorCode::kNotFound, "there is no such volume");
+  const int file = openat(parent.get(), name, O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+  struct stat info {};
+  if (file < 0) return fail(ErrorCode::kNotFound, std::string("the volume has no ") + name);
+  if (fstat(file, &info) != 0 || !S_ISREG(info.st_mode)) {
+    close(file);
+    return fail(ErrorCode::kInvalid, std::string(name) + " is not a regular file");
+  }
+  return std::pair(file, info.st_size);
+}
+
+Result<void> commit(const std::string& temporary, const std::string& directory) {
+  if (renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, directory.c_str(), RENAME_NOREPLACE) == 0) {
+    return {};
+  }
+  if (errno == EEXIST) return fail(ErrorCode::kConflict, "this volume exists already");
+  if (errno != EINVAL) return tl::unexpected(disk_error("a volume cannot be renamed"));
+  // A file system without RENAME_NOREPLACE: rename(2) replaces nothing but an empty directory.
+  if (fs::exists(directory)) return fail(ErrorCode::kConflict, "this volume exists already");
+  if (rename(temporary.c_str(), directory.c_str()) != 0) {
+    return tl::unexpected(disk_error("a volume cannot be renamed"));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Header> read_header(const std::string& directory) {
+  auto opened = open_file(directory, kHeaderFile);
+  if (!opened) return tl::unexpected(opened.error());
+  const Fd file(opened->first);
+  if (opened->second > kMaxHeaderBytes) return fail(ErrorCode::kInvalid, "volume.json is too long");
+  std::string text(static_cast<std::size_t>(opened->second), '\0');
+  if (!read_all(file.get(), text.data(), text.size())) {
+    return fail(ErrorCode::kUnavailable, "volume.json cannot be read");
+  }
+  return from_json(text);
+}
+
+Result<Volume> read(const std::string& directory, bool verify_hash) {
+  auto header = read_header(directory);
+  if (!header) return tl::unexpected(header.error());
+  auto opened = open_file(directory, kVoxelFile);
+  if (!opened) return tl::unexpected(opened.error());
+  const Fd file(opened->first);
+  const std::uint64_t count = header->voxel_count();
+  if (static_cast<std::uint64_t>(opened->second) != count * sizeof(std::int16_t)) {
+    return fail(ErrorCode::kInvalid, "voxels.i16 has not the size that volume.json says");
+  }
+  Volume volume{std::move(*header), {}};
+  try {
+    volume.voxels.resize(count);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kOutOfMemory, "the volume does not fit in memory");
+  }
+  if (!read_all(file.get(), volume.voxels.data(), count * sizeof(std::int16_t))) {
+    return fail(ErrorCode::kUnavailable, "voxels.i16 cannot be read");
+  }
+  if (verify_hash) {
+    auto hash = content_hash(volume.voxels.data(), count * sizeof(std::int16_t));
+    if (!hash) return tl::unexpected(hash.error());
+    if (*hash != volume.header.content_hash) {
+      return fail(ErrorCode::kInternal,
+                  "the voxels are not those that were stored: the disk is broken");
+    }
+  }
+  return volume;
+}
+
+Result<void> write(Volume& volume, const std::string& directory) {
+  if (volume.voxels.size() != volume.header.voxel_count()) {
+    return fail(ErrorCode::kInvalid, "the voxels do not fill the size");
+  }
+  const fs::path target = fs::path(directory).lexically_normal();
+  const std::string name = target.filename().string();
+  if (name.empty() || name == "." || name == ".." || name.starts_with('.')) {
+    return fail(ErrorCode::kInvalid, "a volume's directory needs a plain name");
+  }
+  const fs::path parent = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  const std::size_t bytes = volume.voxels.size() * sizeof(std::int16_t);
+  auto hash = content_hash(volume.voxels.data(), bytes);
+  if (!hash && hash.error().code != ErrorCode::kUnsupported) return tl::unexpected(hash.error());
+  volume.header.content_hash = hash.value_or("");
+  auto text = to_json(volume.header);
+  if (!text) return tl::unexpected(text.error());
+  if (fs::exists(fs::symlink_status(target))) {
+    return fail(ErrorCode::kConflict, "this volume exists already");
+  }
+
+  const fs::path temporary = parent / (kTemporaryPrefix + name + "-" + random_hex(8));
+  if (mkdir(temporary.c_str(), 0750) != 0) {
+    return tl::unexpected(disk_error("the volume store cannot be written"));
+  }
+  const auto written = [&]() -> Result<void> {
+    const Fd inside(open(temporary.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    // The lock says "a living writer": see sweep_unfinished. It goes with the process, however that
+    // ends.
+    if (!inside || flock(inside.get(), LOCK_EX | LOCK_NB) != 0) {
+      return tl::unexpected(disk_error("a volume cannot be written"));
+    }
+    if (auto ok = write_file(inside.get(), kVoxelFile, volume.voxels.data(), bytes); !ok) return ok;
+    if (auto ok = write_file(inside.get(), kHeaderFile, text->data(), text->size()); !ok) return ok;
+    if (fsync(inside.get()) != 0) return tl::unexpected(disk_error("a volume cannot be synced"));
+    if (auto ok = commit(temporary, target); !ok) return ok;
+    const Fd outside(open(parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (!outside || fsync(outside.get()) != 0) {
+      return tl::unexpected(disk_error("the volume store cannot be synced"));
+    }
+    return {};
+  }();
+  if (!written) {
+    std::error_code ignored;
+    fs::remove_all(temporary, ignored);
+  }
+  return written;
+}
+
+Result<std::size_t> sweep_unfinished(const std::string& store) {
+  std::error_code error;
+  std::size_t removed = 0;
+  for (fs::directory_iterator entry(store, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (!entry->path().filename().string().starts_with(kTemporaryPrefix)) continue;
+    const Fd held(open(entry->path().c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+    if (!held || flock(held.get(), LOCK_EX | LOCK_NB) != 0) continue;
+    std::error_code ignored;
+    fs::remove_all(entry->path(), ignored);
+    if (!ignored) ++removed;
+  }
+  if (error) return fail(ErrorCode::kUnavailable, "the volume store cannot be listed");
+  return removed;
+}
+
+}  // namespace diaphane::volume

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "common/result.h"
+
+namespace diaphane::volume {
+
+/// Removes what writers that were killed left in the volume store: directories `.tmp-…` that no
+/// living writer holds locked. Returns how many. kUnavailable when `store` cannot be listed.
+Result<std::size_t> sweep_unfinished(const std::string& store);
+
+}  // namespace diaphane::volume
