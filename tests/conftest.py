@@ -1,0 +1,65 @@
+"""Fixtures that start the real programs.
+
+    stack          the whole of Diaphane, once for all tests of a run. Leave it as you found it.
+    stores         only Postgres and Redis, once for all tests of a run.
+    fresh_stack    a whole one of its own, for tests that break things.
+    stack_factory  the same with choices: stack_factory(only=("postgres", "redis", "api"), extra_env={...}).
+
+What they give is a harness.TestStack. Its programs come from build/release, or from $DIAPHANE_BUILD.
+When a test fails, the ends of the logs of its stacks are in the report.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from harness import StackHouse, TestStack
+
+
+@pytest.fixture(scope="session")
+def stack_house():
+    house = StackHouse()
+    yield house
+    house.close()
+
+
+@pytest.fixture(scope="session")
+def stack(stack_house: StackHouse) -> TestStack:
+    return stack_house.open()
+
+
+@pytest.fixture(scope="session")
+def stores(stack_house: StackHouse) -> TestStack:
+    return stack_house.open(only=("postgres", "redis"))
+
+
+@pytest.fixture
+def stack_factory(stack_house: StackHouse):
+    opened = []
+
+    def make(**choices) -> TestStack:
+        opened.append(stack_house.open(**choices))
+        return opened[-1]
+
+    yield make
+    for one in opened:
+        stack_house.shut(one)
+
+
+@pytest.fixture
+def fresh_stack(stack_factory) -> TestStack:
+    return stack_factory()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    report = yield
+    if report.failed:
+        for name, value in getattr(item, "funcargs", {}).items():
+            stacks = [value] if isinstance(value, TestStack) else []
+            if isinstance(value, StackHouse):
+                stacks = value.opened
+            for one in stacks:
+                for program, text in one.log_tails().items():
+                    report.sections.append((f"{name}: end of the log of {program}", text))
+    return report

@@ -1,0 +1,87 @@
+"""A data directory: its folders, its secrets, its record of what runs (stack.json)."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import secrets
+from pathlib import Path
+
+from .plan import FOLDERS
+from .processes import Identity
+from .says import HouseError
+from .users import RunAs
+
+
+def prepare(data: Path, run_as: RunAs) -> None:
+    """Makes what is missing, owned by the ordinary user. An existing foreign directory is refused, not taken over."""
+    if data.exists() and not data.is_dir():
+        raise HouseError(f"{data} is not a directory")
+    if data.is_dir() and any(data.iterdir()) and not (data / "secrets").is_dir():
+        raise HouseError(f"{data} holds something else than Diaphane's data; choose an empty directory (--data)")
+    data.mkdir(mode=0o700, parents=True, exist_ok=True)
+    run_as.own(data)
+    if not run_as.can_read(data):
+        raise HouseError(f"the user '{run_as.name}', which everything runs as, cannot reach {data}; "
+                         "choose a place that everybody may enter, such as /var/lib/diaphane (--data)")
+    for name in ("secrets", *FOLDERS):
+        folder = data / name
+        if not folder.exists():
+            folder.mkdir(mode=0o700)
+            run_as.own(folder)
+
+
+def secret(data: Path, name: str, run_as: RunAs) -> str:
+    """The secret of that name, made at random the first time; 256 bits in hex, in a file of mode 0600."""
+    path = data / "secrets" / name
+    if not path.exists():
+        beside = path.with_name(f".{name}")
+        beside.unlink(missing_ok=True)
+        handle = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+        with os.fdopen(handle, "w", encoding="ascii") as file:
+            file.write(secrets.token_hex(32))
+        run_as.own(beside)
+        beside.rename(path)
+    return path.read_text(encoding="ascii").strip()
+
+
+def write_record(data: Path, record: dict) -> None:
+    beside = data / "stack.json.new"
+    beside.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    beside.replace(data / "stack.json")
+
+
+def read_record(data: Path) -> dict:
+    """What was written last; empty when there is none or it is unreadable."""
+    try:
+        record = json.loads((data / "stack.json").read_text(encoding="utf-8"))
+        return record if isinstance(record, dict) else {}
+    except (OSError, ValueError):
+        return {}
+
+
+def recorded(entry: dict) -> Identity | None:
+    """The process of an entry of stack.json, when it is still the one that was written down, and alive."""
+    try:
+        identity = Identity(int(entry["pid"]), int(entry["start"]))
+    except (KeyError, TypeError, ValueError):
+        return None
+    return identity if identity.alive() else None
+
+
+class Lock:
+    """Held while a supervisor runs on a data directory; the kernel drops it when the supervisor dies."""
+
+    def __init__(self, data: Path):
+        self.file_ = open(data / "run" / "supervisor.lock", "a", encoding="ascii")
+
+    def take(self) -> bool:
+        try:
+            fcntl.flock(self.file_, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return True
+        except BlockingIOError:
+            return False
+
+    def drop(self) -> None:
+        self.file_.close()

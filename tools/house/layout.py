@@ -1,0 +1,77 @@
+"""What was built and is needed to run, and a copy of it where the ordinary user cannot reach the checkout."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import paths
+from .users import RunAs
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Read-only inputs of the programs."""
+
+    bin: Path
+    static: Path
+    migrations: Path
+    edge: Path
+
+    def all(self) -> list[Path]:
+        return [self.bin, self.static, self.migrations, self.edge]
+
+
+def of_checkout() -> Layout:
+    return Layout(
+        bin=paths.build_dir() / "bin",
+        static=paths.FRONTEND / "dist",
+        migrations=paths.REPO / "migrations",
+        edge=paths.REPO / "api" / "edge",
+    )
+
+
+def reachable(run_as: RunAs, copy_to: Path) -> Layout:
+    """The checkout itself, or a copy below `copy_to` when `run_as` has no access to the checkout."""
+    here = of_checkout()
+    inside = [path for folder in here.all() if folder.is_dir() for path in _some_files(folder)]
+    if run_as.can_read(*inside):
+        return here
+    copy_to.mkdir(mode=0o755, parents=True, exist_ok=True)
+    copied = Layout(*(copy_to / folder.name for folder in here.all()))
+    for source, target in zip(here.all(), copied.all()):
+        if source.is_dir():
+            _mirror(source, target)
+    return copied
+
+
+def _some_files(folder: Path) -> list[Path]:
+    return [folder, *sorted(p for p in folder.iterdir() if p.is_file())[:3]]
+
+
+def _mirror(source: Path, target: Path) -> None:
+    """Copies what changed and removes what is gone. Tests stay behind: they are large and nobody runs them there."""
+    target.mkdir(mode=0o755, exist_ok=True)
+    wanted = {p.name for p in source.iterdir() if not p.name.endswith(("_test", "_bench"))}
+    for stale in target.iterdir():
+        if stale.name not in wanted:
+            shutil.rmtree(stale) if stale.is_dir() else stale.unlink()
+    for name in sorted(wanted):
+        one, other = source / name, target / name
+        if one.is_dir():
+            _mirror(one, other)
+        elif not _same(one, other):
+            # Written beside and renamed: a program that still runs from the old file goes on undisturbed.
+            beside = other.with_name(f".new-{name}")
+            shutil.copy2(one, beside)
+            os.chmod(beside, 0o755 if os.access(one, os.X_OK) else 0o644)
+            os.replace(beside, other)
+
+
+def _same(one: Path, other: Path) -> bool:
+    if not other.exists():
+        return False
+    a, b = one.stat(), other.stat()
+    return (a.st_size, int(a.st_mtime)) == (b.st_size, int(b.st_mtime))

@@ -1,0 +1,36 @@
+"""Logs of the programs: each writes to its own file by itself, so that nothing is lost when the supervisor dies."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+LIMIT_BYTES = 8 << 20
+KEPT = 2
+
+
+def bound(path: Path, limit: int = LIMIT_BYTES) -> None:
+    """Moves the text of a too large log to `.1`, `.2`, and empties it in place: the program holds it open for
+    appending, so what it writes next is at its start. A line written in between may be lost."""
+    try:
+        if path.stat().st_size <= limit:
+            return
+    except FileNotFoundError:
+        return
+    for number in range(KEPT, 1, -1):
+        older = path.with_name(f"{path.name}.{number - 1}")
+        if older.exists():
+            older.replace(path.with_name(f"{path.name}.{number}"))
+    shutil.copyfile(path, path.with_name(f"{path.name}.1"))
+    with open(path, "r+b") as file:
+        file.truncate(0)
+
+
+def tail(path: Path, lines: int = 15) -> str:
+    try:
+        with open(path, "rb") as file:
+            file.seek(0, 2)
+            file.seek(max(0, file.tell() - 32768))
+            return "\n".join(file.read().decode(errors="replace").splitlines()[-lines:])
+    except OSError:
+        return ""

@@ -1,0 +1,169 @@
+"""The plan of one machine: which programs run, with which settings, in which order. Plain data, nothing is started here."""
+
+from __future__ import annotations
+
+import os
+import signal
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Mapping
+
+from .layout import Layout
+
+POSTGRES_BIN = Path("/usr/lib/postgresql/15/bin")
+
+#: Folders of a data directory (docs/contracts.md), beside `postgres`, which initdb makes. `secrets` is 0700.
+FOLDERS = ("redis", "uploads", "volumes", "cache", "mail", "scratch", "run", "logs", "secrets")
+
+#: Variables of the person who starts us that the programs may see; everything else stays out.
+PASSED_ON = ("PATH", "LANG", "TZ", "LD_LIBRARY_PATH", "CUDA_VISIBLE_DEVICES", "NVIDIA_VISIBLE_DEVICES",
+             "ASAN_OPTIONS", "TSAN_OPTIONS", "UBSAN_OPTIONS")
+
+
+@dataclass(frozen=True)
+class Ready:
+    """How to see that a program is ready: `http` (GET path, 200), `answers` (any HTTP answer), `postgres`, `redis`."""
+
+    kind: str
+    port: int
+    path: str = "/readyz"
+
+
+@dataclass(frozen=True)
+class Program:
+    name: str
+    argv: tuple[str, ...]
+    ready: Ready
+    port: int
+    tier: int                       # started in rising order, stopped in falling order
+    env: Mapping[str, str] = field(default_factory=dict)
+    stop_signal: int = signal.SIGTERM
+    stop_seconds: float = 2.0       # then it is killed; the tiers' sum stays below 5 s
+    requires: tuple[Path, ...] = () # files that must exist before it can start
+
+    def missing(self) -> list[Path]:
+        return [path for path in self.requires if not path.exists()]
+
+
+@dataclass(frozen=True)
+class Settings:
+    data: Path
+    ports: Mapping[str, int]
+    layout: Layout
+    postgres_password: str
+    engine: str = "auto"
+    durable: bool = True            # false: tests may lose data when the machine (not a program) dies
+    extra_env: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def host(self) -> str:
+        return f"localhost:{self.ports['edge']}"
+
+    @property
+    def url(self) -> str:
+        return f"http://{self.host}"
+
+    @property
+    def dsn(self) -> str:
+        return f"postgresql://diaphane:{self.postgres_password}@127.0.0.1:{self.ports['postgres']}/diaphane"
+
+    @property
+    def socket_dir(self) -> str:
+        """Postgres's socket; none where the path would be longer than a socket's name may be (107 bytes)."""
+        folder = str(self.data / "run")
+        return folder if len(folder) < 80 else ""
+
+
+def programs(s: Settings) -> list[Program]:
+    """All programs in the order of their start."""
+    return [_postgres(s), _redis(s), _api(s), _ingestd(s), _renderd(s), _edge(s)]
+
+
+def _inherited(settings: Settings) -> dict[str, str]:
+    kept = {k: v for k, v in os.environ.items() if k in PASSED_ON or k.startswith(("LC_", "DIAPHANE_"))}
+    kept.pop("DIAPHANE_BUILD", None)
+    return {"LANG": "C.UTF-8", **kept, "HOME": str(settings.data), **settings.extra_env}
+
+
+def _own(settings: Settings, **values: object) -> dict[str, str]:
+    """Environment of one of our programs: setting `api_port` becomes DIAPHANE_API_PORT. Not on the command line,
+    where everybody on the machine could read the passwords."""
+    return _inherited(settings) | {f"DIAPHANE_{k.upper()}": str(v) for k, v in values.items()}
+
+
+def _postgres(s: Settings) -> Program:
+    argv = [str(POSTGRES_BIN / "postgres"), "-D", str(s.data / "postgres"), "-p", str(s.ports["postgres"]),
+            "-c", "listen_addresses=127.0.0.1", "-c", f"unix_socket_directories={s.socket_dir}",
+            "-c", "logging_collector=off", "-c", "max_connections=60", "-c", "log_line_prefix=%m ",
+            # Statements and their parameters never reach the log: they hold people's addresses.
+            "-c", "log_min_error_statement=panic", "-c", "log_parameter_max_length_on_error=0"]
+    if not s.durable:
+        argv += ["-c", "fsync=off", "-c", "full_page_writes=off"]
+    return Program(
+        name="postgres", argv=tuple(argv), env=_inherited(s), port=s.ports["postgres"], tier=0,
+        ready=Ready("postgres", s.ports["postgres"]), requires=(POSTGRES_BIN / "postgres",),
+        stop_signal=signal.SIGINT, stop_seconds=1.5)   # "fast": ends its sessions, loses nothing
+
+
+def _redis(s: Settings) -> Program:
+    argv = ("/usr/bin/redis-server", "--port", str(s.ports["redis"]), "--bind", "127.0.0.1",
+            "--dir", str(s.data / "redis"), "--appendonly", "yes", "--save", "", "--daemonize", "no",
+            "--maxmemory", "256mb", "--maxmemory-policy", "noeviction")
+    return Program(name="redis", argv=argv, env=_inherited(s), port=s.ports["redis"], tier=0,
+                   ready=Ready("redis", s.ports["redis"]), requires=(Path(argv[0]),), stop_seconds=1.5)
+
+
+def _api(s: Settings) -> Program:
+    binary = s.layout.bin / "diaphane-api"
+    return Program(
+        name="api", argv=(str(binary),), port=s.ports["api"], tier=1, requires=(binary,),
+        ready=Ready("http", s.ports["api-admin"]),
+        env=_own(s, postgres=s.dsn, redis=f"127.0.0.1:{s.ports['redis']}", api_port=s.ports["api"],
+                 stream_port=s.ports["stream"], admin_port=s.ports["api-admin"], public_url=s.url,
+                 upload_dir=s.data / "uploads", volume_dir=s.data / "volumes", cache_dir=s.data / "cache",
+                 mail=f"file:{s.data / 'mail'}", mail_from="Diaphane <diaphane@localhost>",
+                 sample_token=s.data / "secrets" / "sample-token"))
+
+
+def migrate(s: Settings) -> tuple[list[str], dict[str, str]]:
+    """Command and environment that bring the database to the newest schema."""
+    argv = [str(s.layout.bin / "diaphane-api"), "migrate", "up", "--migrations", str(s.layout.migrations)]
+    return argv, _own(s, postgres=s.dsn)
+
+
+def _ingestd(s: Settings) -> Program:
+    binary = s.layout.bin / "diaphane-ingestd"
+    return Program(
+        name="ingestd", argv=(str(binary),), port=s.ports["ingestd-admin"], tier=1, requires=(binary,),
+        ready=Ready("http", s.ports["ingestd-admin"]),
+        env=_own(s, postgres=s.dsn, upload_dir=s.data / "uploads", volume_dir=s.data / "volumes",
+                 scratch_dir=s.data / "scratch", admin_port=s.ports["ingestd-admin"]))
+
+
+def _renderd(s: Settings) -> Program:
+    binary = s.layout.bin / "diaphane-renderd"
+    return Program(
+        name="renderd", argv=(str(binary),), port=s.ports["grpc"], tier=1, requires=(binary,),
+        ready=Ready("http", s.ports["renderd-admin"]),
+        env=_own(s, worker_id="local", redis=f"127.0.0.1:{s.ports['redis']}", grpc_port=s.ports["grpc"],
+                 advertise=f"127.0.0.1:{s.ports['grpc']}", admin_port=s.ports["renderd-admin"],
+                 volume_dir=s.data / "volumes", engine=s.engine))
+
+
+def nginx_conf(s: Settings, template: str) -> str:
+    """The edge's configuration with every @NAME@ replaced. KeyError for one that nobody gave."""
+    values = {
+        "LISTEN": f"127.0.0.1:{s.ports['edge']}", "API_PORT": s.ports["api"], "STREAM_PORT": s.ports["stream"],
+        "STATIC_DIR": s.layout.static, "RUN_DIR": s.data / "run", "CACHE_DIR": s.data / "cache",
+        "LOG": s.data / "logs" / "edge.log", "PUBLIC_HOST": s.host,
+    }
+    for name, value in values.items():
+        template = template.replace(f"@{name}@", str(value))
+    return template
+
+
+def _edge(s: Settings) -> Program:
+    conf = s.data / "run" / "nginx.conf"
+    argv = ("/usr/sbin/nginx", "-c", str(conf), "-p", str(s.data / "run"), "-e", "stderr")
+    return Program(name="edge", argv=argv, env=_inherited(s), port=s.ports["edge"], tier=2, stop_seconds=1.0,
+                   ready=Ready("answers", s.ports["edge"], "/"), requires=(Path(argv[0]), conf))

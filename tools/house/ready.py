@@ -1,0 +1,64 @@
+"""Whether a program is ready, asked from outside as anybody would. Each answer comes within a second."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import socket
+import subprocess
+
+from .plan import POSTGRES_BIN, Ready
+
+
+def is_ready(probe: Ready) -> bool:
+    try:
+        return _PROBES[probe.kind](probe)
+    except (OSError, http.client.HTTPException, subprocess.SubprocessError):
+        return False
+
+
+def readyz(port: int) -> dict:
+    """The JSON of a program's /readyz, ready or not; empty when it gives none."""
+    try:
+        answer = json.loads(_get(port, "/readyz")[1])
+        return answer if isinstance(answer, dict) else {}
+    except (OSError, http.client.HTTPException, ValueError):
+        return {}
+
+
+def redis_command(port: int, *words: str) -> bytes:
+    """The raw answer (RESP) to one small command."""
+    with socket.create_connection(("127.0.0.1", port), timeout=1.0) as connection:
+        parts = [f"${len(w.encode())}\r\n{w}\r\n" for w in words]
+        connection.sendall(f"*{len(words)}\r\n{''.join(parts)}".encode())
+        return connection.recv(65536)
+
+
+def _get(port: int, path: str) -> tuple[int, bytes]:
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=1.0)
+    try:
+        connection.request("GET", path, headers={"Connection": "close"})
+        answer = connection.getresponse()
+        return answer.status, answer.read(65536)
+    finally:
+        connection.close()
+
+
+def _http(probe: Ready) -> bool:
+    return _get(probe.port, probe.path)[0] == 200
+
+
+def _answers(probe: Ready) -> bool:
+    return _get(probe.port, probe.path)[0] > 0
+
+
+def _postgres(probe: Ready) -> bool:
+    command = [str(POSTGRES_BIN / "pg_isready"), "-q", "-h", "127.0.0.1", "-p", str(probe.port), "-t", "1"]
+    return subprocess.run(command, timeout=3, cwd="/").returncode == 0
+
+
+def _redis(probe: Ready) -> bool:
+    return redis_command(probe.port, "PING").startswith(b"+PONG")
+
+
+_PROBES = {"http": _http, "answers": _answers, "postgres": _postgres, "redis": _redis}
