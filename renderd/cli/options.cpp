@@ -1,0 +1,167 @@
+#include "renderd/cli/options.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <filesystem>
+#include <functional>
+#include <sstream>
+
+#include "renderd/cli/picture_file.h"
+
+namespace diaphane::render::cli {
+namespace {
+
+/// Larger pictures would need more than 20 GB of film.
+constexpr std::uint32_t kLongestSide = 16384;
+
+constexpr const char* kAbout =
+    "Renders a scan to a picture file, by the same renderer as the server's, without a server.\n"
+    "\n"
+    "INPUT is a folder of DICOM files, a file .mha, .mhd, .nii, .nii.gz or .nrrd, or a directory "
+    "of\n"
+    "the volume store (with volume.json). What the picture shows is a scene file (JSON, documented "
+    "in\n"
+    "api/proto/scene.proto; lengths in millimetres, origin at the centre of the volume's box, x to "
+    "the\n"
+    "patient's left, y to the back, z to the head) or a preset fitted to the scan.";
+
+constexpr const char* kFooter =
+    "\nExamples:\n"
+    "  diaphane-render head/ --preset bone --out head.png\n"
+    "  diaphane-render ct.nii.gz --scene scene.json --size 1920x1080 --samples 256 \\\n"
+    "      --out ct.exr --json ct.json\n"
+    "\n"
+    "The report (--json) holds: samples (per pixel), milliseconds (of rendering alone), "
+    "estimated_error\n"
+    "(relative RMSE of the picture against the converged one, null below two samples), "
+    "dropped_samples\n"
+    "(not finite), samples_per_second (of all pixels), engine, device, features, width, height, "
+    "seed.\n"
+    "The same engine, seed, size and samples give the same picture, bit by bit.\n"
+    "\n"
+    "Exit codes: 0 done, 64 wrong command line, 65 input or scene is wrong, 66 it cannot be read,\n"
+    "69 no such device, 70 a defect of ours, 71 not enough memory, 73 cannot write.";
+
+std::string parse_size(const std::string& text, Canvas& canvas) {
+  const std::size_t cross = text.find_first_of("xX");
+  const auto number = [&](std::size_t from, std::size_t to, std::uint32_t& out) {
+    const char* last = text.data() + to;
+    const auto [end, error] = std::from_chars(text.data() + from, last, out);
+    return error == std::errc{} && end == last && out >= 1 && out <= kLongestSide;
+  };
+  if (cross == std::string::npos || !number(0, cross, canvas.width) ||
+      !number(cross + 1, text.size(), canvas.height)) {
+    return "WIDTHxHEIGHT in pixels, each 1 to " + std::to_string(kLongestSide) + ": not '" + text +
+           "'";
+  }
+  return {};
+}
+
+/// A validator of its own, because CLI11 takes "-1" for a very large unsigned number.
+std::function<std::string(const std::string&)> whole_number(std::uint64_t low, std::uint64_t high) {
+  return [low, high](const std::string& text) -> std::string {
+    std::uint64_t number = 0;
+    const char* last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data(), last, number);
+    if (error == std::errc{} && end == last && number >= low && number <= high) return {};
+    return "a whole number from " + std::to_string(low) + " to " + std::to_string(high) +
+           ": not '" + text + "'";
+  };
+}
+
+std::string engine_name(const std::string& text) {
+  if (text == "auto" || text == "cpu" || text == "cuda") return {};
+  return "auto, cpu or cuda: not '" + text + "'";
+}
+
+std::string check_picture(const std::string& path) {
+  if (auto problem = unwritable_picture(path)) return *problem;
+  return {};
+}
+
+std::string check_folder_of(const std::string& path) {
+  if (path == "-") return {};
+  const std::filesystem::path parent = std::filesystem::absolute(path).parent_path();
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(parent, ignored)) return "no such folder: " + parent.string();
+  return {};
+}
+
+}  // namespace
+
+std::variant<Options, Farewell> parse(int argc, const char* const* argv) {
+  Options options;
+  ::CLI::App app(kAbout, "diaphane-render");
+  app.footer(kFooter);
+  app.get_formatter()->column_width(34);
+  app.option_defaults()->multi_option_policy(::CLI::MultiOptionPolicy::Throw);
+
+  app.add_option("INPUT", options.input, "the scan")->required();
+  auto* scene =
+      app.add_option("--scene", options.scene_file, "scene file (JSON)")->type_name("FILE");
+  auto* preset = app.add_option("--preset", options.preset, "skin, muscle, vessels or bone")
+                     ->type_name("NAME")
+                     ->excludes(scene);
+  std::string size;
+  app.add_option("--size", size, "picture size in pixels, default 512x512")
+      ->type_name("WxH")
+      ->check([&](const std::string& text) { return parse_size(text, options.canvas); }, "");
+  app.add_option("--samples", options.samples, "samples per pixel, default 64")
+      ->type_name("N")
+      ->check(whole_number(1, 1 << 24), "");
+  std::string engine = "auto";
+  app.add_option("--engine", engine, "auto, cpu or cuda; auto takes CUDA when a device answers")
+      ->type_name("NAME")
+      ->check(engine_name, "");
+  app.add_option("--threads", options.threads, "of the CPU engine; 0, the default: one a core")
+      ->type_name("N")
+      ->check(whole_number(0, 4096), "");
+  app.add_option("--seed", options.seed, "of the random numbers, default 1")
+      ->type_name("N")
+      ->check(whole_number(0, ~std::uint64_t{0}), "");
+  app.add_option(
+         "--out", options.picture,
+         "picture: .png or .ppm (8 bits, tone-mapped) or .exr (linear radiance, 32-bit float)")
+      ->required()
+      ->type_name("FILE")
+      ->check(check_picture, "")
+      ->check(check_folder_of, "");
+  app.add_option("--json", options.report, "report; - is standard output")
+      ->type_name("FILE")
+      ->check(check_folder_of, "");
+  app.add_flag("--quiet", options.quiet, "no progress on standard error");
+
+  try {
+    app.parse(argc, argv);
+    options.engine = engine == "cuda"  ? EngineChoice::kCuda
+                     : engine == "cpu" ? EngineChoice::kCpu
+                                       : EngineChoice::kAuto;
+    if (!*scene && !*preset) throw ::CLI::RequiredError("--scene or --preset");
+  } catch (const ::CLI::ParseError& error) {
+    std::ostringstream out, err;
+    if (app.exit(error, out, err) == 0) return Farewell{0, out.str()};
+    return Farewell{kExitUsage, "diaphane-render: " + err.str()};
+  }
+  return options;
+}
+
+int exit_code_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kInvalid:
+    case ErrorCode::kUnsupported:
+    case ErrorCode::kTooLarge:
+      return kExitData;
+    case ErrorCode::kNotFound:
+    case ErrorCode::kForbidden:
+      return kExitNoInput;
+    case ErrorCode::kUnavailable:
+    case ErrorCode::kDeviceLost:
+      return kExitNoDevice;
+    case ErrorCode::kOutOfMemory:
+      return kExitResources;
+    default:
+      return kExitDefect;
+  }
+}
+
+}  // namespace diaphane::render::cli

@@ -1,0 +1,70 @@
+#include "renderd/cli/options.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace diaphane::render::cli {
+namespace {
+
+std::variant<Options, Farewell> parse_words(std::vector<const char*> words) {
+  words.insert(words.begin(), "diaphane-render");
+  return parse(static_cast<int>(words.size()), words.data());
+}
+
+void expect_refused(const std::vector<const char*>& words, const std::string& because) {
+  const auto parsed = parse_words(words);
+  const auto* farewell = std::get_if<Farewell>(&parsed);
+  ASSERT_NE(farewell, nullptr) << "not refused: " << because;
+  EXPECT_EQ(farewell->exit_code, kExitUsage);
+  EXPECT_NE(farewell->text.find(because), std::string::npos) << farewell->text;
+}
+
+TEST(RenderOptions, EveryOptionReachesItsPlace) {
+  const auto parsed =
+      parse_words({"scan", "--scene", "s.json", "--size", "640x480", "--samples", "7", "--engine",
+                   "cuda", "--threads", "3", "--seed", "9", "--out", "a.ppm", "--json", "-"});
+  const auto* options = std::get_if<Options>(&parsed);
+  ASSERT_NE(options, nullptr) << std::get<Farewell>(parsed).text;
+  EXPECT_EQ(options->input, "scan");
+  EXPECT_EQ(options->scene_file, "s.json");
+  EXPECT_EQ(options->canvas.width, 640u);
+  EXPECT_EQ(options->canvas.height, 480u);
+  EXPECT_EQ(options->samples, 7u);
+  EXPECT_EQ(options->engine, EngineChoice::kCuda);
+  EXPECT_EQ(options->threads, 3u);
+  EXPECT_EQ(options->seed, 9u);
+  EXPECT_EQ(options->picture, "a.ppm");
+  EXPECT_EQ(options->report, "-");
+}
+
+TEST(RenderOptions, MistakesAreRefusedByName) {
+  expect_refused({"scan", "--preset", "bone"}, "--out");
+  expect_refused({"--preset", "bone", "--out", "a.ppm"}, "INPUT");
+  expect_refused({"scan", "--out", "a.ppm"}, "--scene or --preset");
+  expect_refused({"scan", "--scene", "s", "--preset", "bone", "--out", "a.ppm"}, "excludes");
+  expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--samplez", "3"}, "--samplez");
+  expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--samples", "0"}, "--samples");
+  expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--samples", "1e9"}, "--samples");
+  expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--seed", "-1"}, "--seed");
+  expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--engine", "gpu"}, "--engine");
+  expect_refused({"scan", "--preset", "bone", "--out", "a.jpg"}, ".png");
+  expect_refused({"scan", "--preset", "bone", "--out", "/no/such/folder/a.ppm"}, "no such folder");
+  for (const char* size : {"512", "0x5", "512x", "x512", "512x512x2", "-5x5", "99999x5", "a"}) {
+    expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--size", size}, "--size");
+  }
+}
+
+TEST(RenderOptions, HelpNamesEveryOptionAndExitCode) {
+  const auto parsed = parse_words({"--help"});
+  const auto* farewell = std::get_if<Farewell>(&parsed);
+  ASSERT_NE(farewell, nullptr);
+  EXPECT_EQ(farewell->exit_code, 0);
+  for (const char* word : {"--scene", "--preset", "--size", "--samples", "--engine", "--threads",
+                           "--seed", "--out", "--json", "--quiet", ".nrrd", "64", "73"}) {
+    EXPECT_NE(farewell->text.find(word), std::string::npos) << word;
+  }
+}
+
+}  // namespace
+}  // namespace diaphane::render::cli

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "common/result.h"
+#include "volume/volume.h"
+
+namespace diaphane::render::cli {
+
+/// The readers of ingest/, where they are built in; else kUnsupported (scan_readers_none.cpp).
+Result<volume::Volume> read_dicom_folder(const std::string& path);
+Result<volume::Volume> read_image_file(const std::string& path);
+
+}  // namespace diaphane::render::cli
