@@ -1,0 +1,127 @@
+import { describe, expect, it } from "vitest";
+import { fitted_to_aspect, in_picture, orbit_frame, orbit_of, panned, pose_of, rolled, rotated, zoomed } from "./camera";
+import type { CameraPose } from "./camera";
+import { add, cross, dot, length, scale, subtract, vec3, type Vec3 } from "./vec3";
+
+// In front of the patient: the eye is at -y (the back is +y), the head is up.
+const front: CameraPose = { eye: vec3(0, -500, 0), target: vec3(0, 0, 0), up: vec3(0, 0, 1), verticalFovDegrees: 30 };
+
+function near(a: Vec3, b: Vec3, tolerance = 1e-6): void {
+  expect(length(subtract(a, b))).toBeLessThan(tolerance);
+}
+
+/** The picture of a point: x to the right, y up, in parts of half the height. */
+function projected(pose: CameraPose, point: Vec3): { x: number; y: number } {
+  const frame = orbit_frame(orbit_of(pose));
+  const p = in_picture(frame, subtract(point, pose.eye));
+  const half = Math.tan((pose.verticalFovDegrees * Math.PI) / 360);
+  return { x: p.x / (-p.z * half), y: p.y / (-p.z * half) };
+}
+
+describe("the turntable camera", () => {
+  const poses: CameraPose[] = [
+    front,
+    { eye: vec3(300, -200, 120), target: vec3(10, 20, -30), up: vec3(0, 0, 1), verticalFovDegrees: 45 },
+    { eye: vec3(-300, 210, -320), target: vec3(10, 20, -30), up: vec3(0, 0, 1), verticalFovDegrees: 45 },
+  ];
+
+  it("is the same camera after going there and back", () => {
+    for (const pose of poses) {
+      const back = pose_of(orbit_of(pose));
+      near(back.eye, pose.eye);
+      near(back.target, pose.target);
+      const again = pose_of(orbit_of(back));
+      near(again.up, back.up);
+    }
+  });
+
+  it("keeps a roll on the way there and back", () => {
+    for (const pose of poses) {
+      const turned = rolled(orbit_of(pose), 0.7);
+      expect(orbit_of(pose_of(turned)).roll).toBeCloseTo(turned.roll, 9);
+    }
+  });
+
+  it("has a right-handed frame of unit vectors whose up is the head's side", () => {
+    for (const pose of poses) {
+      const frame = orbit_frame(orbit_of(pose));
+      near(cross(frame.right, frame.up), frame.back);
+      expect(length(frame.right)).toBeCloseTo(1, 12);
+      expect(frame.up.z).toBeGreaterThan(0);
+    }
+  });
+
+  it("seen from the front, the patient's left is on the right of the picture", () => {
+    const frame = orbit_frame(orbit_of(front));
+    near(in_picture(frame, vec3(1, 0, 0)), vec3(1, 0, 0));
+    near(in_picture(frame, vec3(0, 0, 1)), vec3(0, 1, 0));
+    near(in_picture(frame, vec3(0, -1, 0)), vec3(0, 0, 1));
+  });
+
+  it("a drag to the right takes the near side to the right, a drag down takes it down, at any roll", () => {
+    for (const roll of [0, 0.5, Math.PI / 2, Math.PI, -2]) {
+      const orbit = rolled(orbit_of(front), roll);
+      const nearest = scale(orbit_frame(orbit).back, 80);
+      for (const [right, down] of [[0.01, 0], [0, 0.01]] as const) {
+        const after = pose_of(rotated(orbit, right, down));
+        const p = in_picture(orbit_frame(orbit_of(after)), subtract(nearest, after.eye));
+        expect(p.x).toBeCloseTo(80 * Math.sin(right), 2);
+        expect(-p.y).toBeCloseTo(80 * Math.sin(down), 2);
+      }
+    }
+  });
+
+  it("never goes over the pole and never changes its distance by turning", () => {
+    let orbit = orbit_of(front);
+    for (let i = 0; i < 500; i++) {
+      orbit = rotated(orbit, 0.11, i < 250 ? 0.05 : -0.07);
+      const pose = pose_of(orbit);
+      expect(pose.up.z).toBeGreaterThan(0);
+      expect(length(subtract(pose.eye, pose.target))).toBeCloseTo(500, 6);
+      expect(dot(pose.up, subtract(pose.eye, pose.target))).toBeCloseTo(0, 6);
+    }
+  });
+
+  it("panning by a part of the height moves the target's picture by that part", () => {
+    for (const roll of [0, 1.1]) {
+      const orbit = rolled(orbit_of(poses[1] ?? front), roll);
+      const after = pose_of(panned(orbit, 0.1, 0.2));
+      const p = projected(after, orbit.target);
+      expect(p.x).toBeCloseTo(0.2, 6);
+      expect(p.y).toBeCloseTo(-0.4, 6);
+    }
+  });
+
+  it("zooming by a factor and by its inverse is no zoom, and stops at its bounds", () => {
+    const orbit = orbit_of(front);
+    expect(zoomed(zoomed(orbit, 1.3), 1 / 1.3).distance).toBeCloseTo(500, 9);
+    expect(zoomed(orbit, 1e9).distance).toBe(5);
+    expect(zoomed(orbit, 1e-9).distance).toBe(20_000);
+    expect(zoomed(orbit, Number.NaN)).toEqual(orbit);
+    expect(zoomed(orbit, 2).distance).toBeCloseTo(250, 9);
+  });
+
+  it("a positive roll turns the picture clockwise", () => {
+    const after = pose_of(rolled(orbit_of(front), 0.1));
+    const head = projected(after, vec3(0, 0, 50));
+    expect(head.x).toBeGreaterThan(0);
+    expect(head.y).toBeGreaterThan(0);
+  });
+
+  it("a camera straight above keeps the top of its picture", () => {
+    for (const up of [vec3(0, -1, 0), vec3(1, 0, 0)]) {
+      for (const z of [400, -400]) {
+        const pose: CameraPose = { eye: vec3(0, 0, z), target: vec3(0, 0, 0), up, verticalFovDegrees: 30 };
+        near(pose_of(orbit_of(pose)).up, up, 0.02);
+      }
+    }
+  });
+
+  it("a narrow picture sees as much across as a square one", () => {
+    const pose = fitted_to_aspect(front, 0.5);
+    const edge = projected(front, vec3(60, 0, 0)).x;
+    expect(projected(pose, vec3(60, 0, 0)).x).toBeCloseTo(edge / 2, 9);
+    expect(fitted_to_aspect(front, 1.6)).toBe(front);
+    near(add(pose.eye, vec3(0, 1000, 0)), vec3(0, 0, 0));
+  });
+});

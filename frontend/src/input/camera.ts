@@ -1,0 +1,152 @@
+import { add, cross, dot, length, normalize, scale, subtract, vec3, type Vec3 } from "./vec3";
+
+/** A camera as the protocol says it. `eye` and `target` in millimetres. */
+export interface CameraPose {
+  readonly eye: Vec3;
+  readonly target: Vec3;
+  readonly up: Vec3;
+  /** In degrees, inside (0, 180). */
+  readonly verticalFovDegrees: number;
+}
+
+/**
+ * The same camera as a turntable about its target: the form in which a person moves it.
+ * Angles in radians: azimuth about the head-foot axis, elevation above the horizon, roll leans the camera to its
+ * right where positive (so the picture turns counter-clockwise).
+ */
+export interface Orbit {
+  readonly target: Vec3;
+  readonly distance: number;
+  readonly azimuth: number;
+  readonly elevation: number;
+  readonly roll: number;
+  readonly verticalFovDegrees: number;
+}
+
+/** Right, up and backwards (towards the eye) of a camera: a right-handed frame of unit length. */
+export interface CameraFrame {
+  readonly right: Vec3;
+  readonly up: Vec3;
+  readonly back: Vec3;
+}
+
+const pole = vec3(0, 0, 1);
+/** So near to the pole "up" still has a meaning: the horizon never flips under a hand. */
+const steepest = (89.5 * Math.PI) / 180;
+
+export const closestMm = 5;
+export const farthestMm = 20_000;
+
+const clamp = (value: number, low: number, high: number): number => Math.min(high, Math.max(low, value));
+
+function unrolled(azimuth: number, elevation: number): CameraFrame {
+  const back = vec3(
+    Math.cos(elevation) * Math.cos(azimuth),
+    Math.cos(elevation) * Math.sin(azimuth),
+    Math.sin(elevation),
+  );
+  // Not from cross(pole, back): this one stays exact when looking straight down.
+  const right = vec3(-Math.sin(azimuth), Math.cos(azimuth), 0);
+  return { right, up: cross(back, right), back };
+}
+
+export function orbit_frame(orbit: Orbit): CameraFrame {
+  const plain = unrolled(orbit.azimuth, orbit.elevation);
+  const c = Math.cos(orbit.roll);
+  const s = Math.sin(orbit.roll);
+  return {
+    right: subtract(scale(plain.right, c), scale(plain.up, s)),
+    up: add(scale(plain.up, c), scale(plain.right, s)),
+    back: plain.back,
+  };
+}
+
+/** Precondition: `eye` differs from `target`. An `up` along the view counts as not rolled. */
+export function orbit_of(pose: CameraPose): Orbit {
+  const away = subtract(pose.eye, pose.target);
+  const distance = length(away);
+  const back = normalize(away, vec3(0, -1, 0));
+  const elevation = Math.asin(clamp(back.z, -1, 1));
+  const overhead = Math.hypot(back.x, back.y) < 1e-6;
+  // Straight above or below, the azimuth is where the top of the picture points away from.
+  const azimuth = overhead ? Math.atan2(-pose.up.y * back.z, -pose.up.x * back.z) : Math.atan2(back.y, back.x);
+  const plain = unrolled(azimuth, elevation);
+  const roll = overhead ? 0 : Math.atan2(dot(pose.up, plain.right), dot(pose.up, plain.up));
+  return {
+    target: pose.target,
+    distance: clamp(distance, closestMm, farthestMm),
+    azimuth,
+    elevation: clamp(elevation, -steepest, steepest),
+    roll,
+    verticalFovDegrees: pose.verticalFovDegrees,
+  };
+}
+
+export function pose_of(orbit: Orbit): CameraPose {
+  const frame = orbit_frame(orbit);
+  return {
+    eye: add(orbit.target, scale(frame.back, orbit.distance)),
+    target: orbit.target,
+    up: frame.up,
+    verticalFovDegrees: orbit.verticalFovDegrees,
+  };
+}
+
+/**
+ * Turns as a hand would on the near side of the object: what is dragged to the right goes to the right.
+ * `right` and `down` in radians, as seen in the picture, whatever the roll.
+ */
+export function rotated(orbit: Orbit, right: number, down: number): Orbit {
+  const c = Math.cos(orbit.roll);
+  const s = Math.sin(orbit.roll);
+  return {
+    ...orbit,
+    azimuth: wrapped(orbit.azimuth - (right * c - down * s)),
+    elevation: clamp(orbit.elevation + (down * c + right * s), -steepest, steepest),
+  };
+}
+
+/** Turns the picture clockwise by `angle` radians. */
+export function rolled(orbit: Orbit, angle: number): Orbit {
+  return { ...orbit, roll: wrapped(orbit.roll - angle) };
+}
+
+/** Makes the object `factor` times as large in the picture, by moving the eye. */
+export function zoomed(orbit: Orbit, factor: number): Orbit {
+  if (!(factor > 0) || !Number.isFinite(factor)) return orbit;
+  return { ...orbit, distance: clamp(orbit.distance / factor, closestMm, farthestMm) };
+}
+
+/** Moves the picture by a part of its height, to the right and down: the target stays under the hand. */
+export function panned(orbit: Orbit, right: number, down: number): Orbit {
+  const frame = orbit_frame(orbit);
+  const height = 2 * orbit.distance * Math.tan((orbit.verticalFovDegrees * Math.PI) / 360);
+  const shift = add(scale(frame.right, -right * height), scale(frame.up, down * height));
+  return { ...orbit, target: add(orbit.target, shift) };
+}
+
+/** Far enough for a picture that is narrower than high: presets are fitted by their height. */
+export function fitted_to_aspect(pose: CameraPose, aspect: number): CameraPose {
+  if (!(aspect > 0) || aspect >= 1) return pose;
+  const away = subtract(pose.eye, pose.target);
+  return { ...pose, eye: add(pose.target, scale(away, 1 / aspect)) };
+}
+
+/** Where a unit axis of the patient points in the picture: x to the right, y up, z towards the viewer. */
+export function in_picture(frame: CameraFrame, axis: Vec3): Vec3 {
+  return vec3(dot(axis, frame.right), dot(axis, frame.up), dot(axis, frame.back));
+}
+
+export const patient_axes: readonly { readonly letter: string; readonly axis: Vec3 }[] = [
+  { letter: "L", axis: vec3(1, 0, 0) },
+  { letter: "R", axis: vec3(-1, 0, 0) },
+  { letter: "P", axis: vec3(0, 1, 0) },
+  { letter: "A", axis: vec3(0, -1, 0) },
+  { letter: "S", axis: pole },
+  { letter: "I", axis: vec3(0, 0, -1) },
+];
+
+function wrapped(angle: number): number {
+  const turn = 2 * Math.PI;
+  return angle - turn * Math.round(angle / turn);
+}

@@ -1,0 +1,21 @@
+import { subprotocol } from "./messages";
+import type { OpenSocket } from "./stream_client";
+
+/** `url` is a path on the page's own origin. */
+export const open_browser_socket: OpenSocket = (url, events) => {
+  const address = new URL(url, location.href);
+  address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
+  const socket = new WebSocket(address, subprotocol);
+  socket.binaryType = "arraybuffer";
+  socket.onopen = () => events.opened();
+  socket.onclose = (event) => events.closed(event.code);
+  socket.onmessage = (event: MessageEvent<unknown>) => {
+    if (event.data instanceof ArrayBuffer) events.message(new Uint8Array(event.data));
+  };
+  return {
+    send: (data) => {
+      if (socket.readyState === WebSocket.OPEN) socket.send(data);
+    },
+    close: () => socket.close(1000),
+  };
+};

@@ -1,0 +1,82 @@
+import { describe, expect, it } from "vitest";
+import { advance, first_state, wait_ms, type ConnectionEvent, type ConnectionState } from "./connection";
+
+function run(events: ConnectionEvent[], from: ConnectionState = first_state) {
+  let state = from;
+  let effects: string[] = [];
+  for (const event of events) {
+    const step = advance(state, event, 0.5);
+    state = step.state;
+    effects = step.effects.map((effect) => effect.kind);
+  }
+  return { state, effects };
+}
+
+const to_live: ConnectionEvent[] = [
+  { kind: "start" },
+  { kind: "ticket", url: "/stream?ticket=1" },
+  { kind: "opened" },
+  { kind: "configured" },
+];
+
+describe("the connection", () => {
+  it("asks for a ticket, opens, greets and lives", () => {
+    expect(run(to_live.slice(0, 1)).effects).toEqual(["ask_ticket", "timer"]);
+    expect(run(to_live.slice(0, 2)).effects).toEqual(["open", "timer"]);
+    expect(run(to_live.slice(0, 3)).effects).toEqual(["greet", "timer"]);
+    expect(run(to_live)).toEqual({
+      state: { phase: "live", attempt: 0, was_live: true, trouble: null },
+      effects: ["disarm"],
+    });
+  });
+
+  it("comes back by itself after any close, always with a new ticket", () => {
+    for (const code of [1000, 1001, 1006, 4401, 4404, 4503, 4429, 4400]) {
+      const lost = run([...to_live, { kind: "closed", code }]);
+      expect(lost.state.phase).toBe("waiting");
+      expect(lost.state.trouble).not.toBeNull();
+      expect(run([{ kind: "timeout" }], lost.state).effects).toEqual(["ask_ticket", "timer"]);
+    }
+  });
+
+  it("waits longer from try to try, and starts anew only when a picture came", () => {
+    let state = run(to_live).state;
+    for (let i = 1; i <= 4; i++) {
+      state = run([{ kind: "closed", code: 4503 }, { kind: "timeout" }, ...to_live.slice(1)], state).state;
+      expect(state.attempt).toBe(i);
+    }
+    expect(run([{ kind: "picture" }], state).state.attempt).toBe(0);
+  });
+
+  it("is back within five seconds of a worker that needs three to come back", () => {
+    let waited = 0;
+    let tries = 0;
+    while (waited < 3000) waited += wait_ms(tries++, 0.99);
+    expect(waited).toBeLessThan(5000);
+  });
+
+  it("stops where trying again is no use, and does nothing afterwards", () => {
+    const stopped = run([{ kind: "start" }, { kind: "no_ticket", trouble: "not_found", final: true }]);
+    expect(stopped.state).toMatchObject({ phase: "stopped", trouble: "not_found" });
+    expect(run([{ kind: "wake" }, { kind: "timeout" }, { kind: "start" }], stopped.state).state).toEqual(stopped.state);
+  });
+
+  it("a step that takes too long is a failed try; a wait ends at once when the network is back", () => {
+    for (let steps = 1; steps <= 3; steps++)
+      expect(run([...to_live.slice(0, steps), { kind: "timeout" }]).state.phase).toBe("waiting");
+    const waiting = run([...to_live, { kind: "closed", code: 1006 }]).state;
+    expect(run([{ kind: "wake" }], waiting).state.phase).toBe("asking");
+  });
+
+  it("a late answer to an earlier step changes nothing", () => {
+    const waiting = run([...to_live, { kind: "closed", code: 1006 }]).state;
+    for (const late of [...to_live.slice(1), { kind: "closed", code: 1006 } as const])
+      expect(run([late], waiting).state).toEqual(waiting);
+  });
+
+  it("honours Retry-After within reason and spreads the tries", () => {
+    expect(wait_ms(0, 0.5, 3000)).toBe(3000);
+    expect(wait_ms(0, 0.5, 3_600_000)).toBe(5000);
+    expect(wait_ms(3, 0)).toBeLessThan(wait_ms(3, 0.99));
+  });
+});

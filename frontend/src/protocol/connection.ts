@@ -1,0 +1,127 @@
+/**
+ * The life of the connection to a render worker, as a pure state machine: what happened goes in, the next state and
+ * what is to be done come out. StreamClient carries it out. No clock, socket or timer in here.
+ */
+
+export type Phase =
+  | "idle"
+  | "asking" // for a ticket
+  | "opening" // the socket
+  | "greeting" // hello is sent, the configuration is awaited
+  | "live"
+  | "waiting" // for the next try
+  | "stopped";
+
+/** Why there is no picture (yet), as a key of the texts. */
+export type Trouble = "lost" | "worker_lost" | "no_worker" | "unreachable" | "not_found" | "not_ready" | "signed_out" | "refused";
+
+export interface ConnectionState {
+  readonly phase: Phase;
+  /** Tries since the last picture arrived. */
+  readonly attempt: number;
+  /** Something was seen before: it is a reconnection, not a first connection. */
+  readonly was_live: boolean;
+  readonly trouble: Trouble | null;
+}
+
+export type ConnectionEvent =
+  | { readonly kind: "start" }
+  | { readonly kind: "ticket"; readonly url: string }
+  | { readonly kind: "no_ticket"; readonly trouble: Trouble; readonly final: boolean; readonly retry_after_ms?: number }
+  | { readonly kind: "opened" }
+  | { readonly kind: "configured" }
+  | { readonly kind: "picture" }
+  | { readonly kind: "closed"; readonly code: number }
+  | { readonly kind: "timeout" } // of a wait, or of a step that took too long
+  | { readonly kind: "wake" } // the network is back, or the page is looked at again
+  | { readonly kind: "stop" };
+
+export type ConnectionEffect =
+  | { readonly kind: "ask_ticket" }
+  | { readonly kind: "open"; readonly url: string }
+  | { readonly kind: "greet" }
+  | { readonly kind: "close" }
+  /** Deliver `timeout` after that long, unless another effect with a timer, or `disarm`, comes first. */
+  | { readonly kind: "timer"; readonly ms: number }
+  | { readonly kind: "disarm" };
+
+export interface Step {
+  readonly state: ConnectionState;
+  readonly effects: readonly ConnectionEffect[];
+}
+
+export const first_state: ConnectionState = { phase: "idle", attempt: 0, was_live: false, trouble: null };
+
+const step_limit_ms = 10_000;
+const waits_ms = [150, 300, 600, 1000, 1500, 2000];
+const longest_wait_ms = 5000;
+
+/** How long to wait before try number `attempt` (from 0). `spread` in [0, 1) keeps many pages from coming at once. */
+export function wait_ms(attempt: number, spread: number, retry_after_ms = 0): number {
+  const base = attempt < waits_ms.length ? (waits_ms[attempt] ?? longest_wait_ms) : attempt < 30 ? 2000 : longest_wait_ms;
+  return Math.max(base, Math.min(retry_after_ms, longest_wait_ms)) * (0.8 + 0.4 * spread);
+}
+
+/** `spread` in [0, 1): chance, given from outside. */
+export function advance(state: ConnectionState, event: ConnectionEvent, spread: number): Step {
+  const stay: Step = { state, effects: [] };
+  const ask = (from: ConnectionState): Step => ({
+    state: { ...from, phase: "asking" },
+    effects: [{ kind: "ask_ticket" }, { kind: "timer", ms: step_limit_ms }],
+  });
+  const later = (trouble: Trouble, retry_after_ms = 0): Step => ({
+    state: { ...state, phase: "waiting", attempt: state.attempt + 1, trouble },
+    effects: [{ kind: "close" }, { kind: "timer", ms: wait_ms(state.attempt, spread, retry_after_ms) }],
+  });
+
+  if (state.phase === "stopped") return stay;
+  switch (event.kind) {
+    case "start":
+      return state.phase === "idle" ? ask(state) : stay;
+    case "stop":
+      return { state: { ...state, phase: "stopped" }, effects: [{ kind: "disarm" }, { kind: "close" }] };
+    case "ticket":
+      if (state.phase !== "asking") return stay;
+      return {
+        state: { ...state, phase: "opening" },
+        effects: [{ kind: "open", url: event.url }, { kind: "timer", ms: step_limit_ms }],
+      };
+    case "no_ticket":
+      if (state.phase !== "asking") return stay;
+      if (event.final)
+        return { state: { ...state, phase: "stopped", trouble: event.trouble }, effects: [{ kind: "disarm" }] };
+      return later(event.trouble, event.retry_after_ms);
+    case "opened":
+      if (state.phase !== "opening") return stay;
+      return { state: { ...state, phase: "greeting" }, effects: [{ kind: "greet" }, { kind: "timer", ms: step_limit_ms }] };
+    case "configured":
+      if (state.phase !== "greeting") return stay;
+      return { state: { ...state, phase: "live", was_live: true, trouble: null }, effects: [{ kind: "disarm" }] };
+    case "picture":
+      // Only a picture proves that it works: a worker that greets and dies must not be asked without pause.
+      return state.phase === "live" && state.attempt > 0 ? { state: { ...state, attempt: 0 }, effects: [] } : stay;
+    case "closed":
+      if (state.phase !== "opening" && state.phase !== "greeting" && state.phase !== "live") return stay;
+      return later(trouble_of_close(event.code));
+    case "timeout":
+      if (state.phase === "waiting") return ask(state);
+      if (state.phase === "asking" || state.phase === "opening" || state.phase === "greeting") return later("unreachable");
+      return stay;
+    case "wake":
+      return state.phase === "waiting" ? ask(state) : stay;
+  }
+}
+
+/** Close codes of docs/contracts.md, "Stream". */
+function trouble_of_close(code: number): Trouble {
+  switch (code) {
+    case 4503:
+      return "worker_lost";
+    case 4429:
+      return "no_worker";
+    case 4400:
+      return "refused";
+    default:
+      return "lost";
+  }
+}

@@ -1,0 +1,133 @@
+import { create, fromBinary, toBinary, equals, fromJsonString, toJsonString } from "@bufbuild/protobuf";
+import type { CameraPose } from "../input/camera";
+import { vec3, type Vec3 } from "../input/vec3";
+import {
+  AckSchema,
+  ClientMessageSchema,
+  Codec,
+  HelloSchema,
+  SceneUpdateSchema,
+  ServerMessageSchema,
+  ViewportSchema,
+  VisibilitySchema,
+  type ClientMessage,
+  type ServerMessage,
+} from "./gen/api/proto/stream_pb";
+import { CameraSchema, SceneSchema, TransferFunctionSchema, Vec3Schema, type Scene } from "./gen/api/proto/scene_pb";
+
+export { Codec };
+export type { Config, Frame, Problem, State, Stats } from "./gen/api/proto/stream_pb";
+export type { Preset, Scene } from "./gen/api/proto/scene_pb";
+export type { VolumeHeader } from "./gen/api/proto/volume_pb";
+export type { ServerMessage };
+
+export const protocol_version = 1;
+export const subprotocol = "diaphane.v1";
+
+/** In device pixels. */
+export interface Viewport {
+  readonly width: number;
+  readonly height: number;
+}
+
+/** The bounds of the protocol, kept by scaling so that the shape stays. */
+export function within_bounds(viewport: Viewport, most: number): Viewport {
+  const shrink = Math.min(1, most / Math.max(viewport.width, viewport.height, 1));
+  const side = (n: number) => Math.max(16, Math.round(n * shrink));
+  return { width: side(viewport.width), height: side(viewport.height) };
+}
+
+type Bytes = Uint8Array<ArrayBuffer>;
+const encoded = (message: ClientMessage): Bytes => toBinary(ClientMessageSchema, message);
+
+/** @throws on bytes that are no ServerMessage. */
+export const decode_server_message = (bytes: Uint8Array): ServerMessage => fromBinary(ServerMessageSchema, bytes);
+
+export function encode_hello(codecs: readonly Codec[], pixel_ratio: number, viewport: Viewport): Bytes {
+  const value = create(HelloSchema, {
+    protocol: protocol_version,
+    codecs: [...codecs],
+    pixelRatio: pixel_ratio,
+    viewport: create(ViewportSchema, viewport),
+  });
+  return encoded(create(ClientMessageSchema, { body: { case: "hello", value } }));
+}
+
+export interface SceneChange {
+  readonly scene?: Scene;
+  readonly viewport?: Viewport;
+}
+
+export function encode_scene(input_seq: number, change: SceneChange): Bytes {
+  const value = create(SceneUpdateSchema, { inputSeq: BigInt(input_seq) });
+  if (change.scene) value.scene = change.scene;
+  if (change.viewport) value.viewport = create(ViewportSchema, change.viewport);
+  return encoded(create(ClientMessageSchema, { body: { case: "scene", value } }));
+}
+
+/** Times in milliseconds of a monotonic clock; absent: it never came so far. */
+export interface FrameTimes {
+  readonly received_ms: number;
+  readonly decoded_ms?: number;
+  readonly presented_ms?: number;
+}
+
+export function encode_ack(seq: bigint, epoch: bigint, times: FrameTimes, queue: number): Bytes {
+  const us = (ms: number | undefined) => BigInt(Math.round((ms ?? 0) * 1000));
+  const value = create(AckSchema, {
+    seq,
+    epoch,
+    receivedUs: us(times.received_ms),
+    decodedUs: us(times.decoded_ms),
+    presentedUs: us(times.presented_ms),
+    queue,
+  });
+  return encoded(create(ClientMessageSchema, { body: { case: "ack", value } }));
+}
+
+export function encode_visibility(visible: boolean): Bytes {
+  const value = create(VisibilitySchema, { visible });
+  return encoded(create(ClientMessageSchema, { body: { case: "visibility", value } }));
+}
+
+const plain = (v: { x: number; y: number; z: number } | undefined): Vec3 => (v ? vec3(v.x, v.y, v.z) : vec3(0, 0, 0));
+
+/** The camera of a scene; nothing when the scene has none. */
+export function camera_of(scene: Scene): CameraPose | null {
+  const camera = scene.camera;
+  if (!camera?.eye || !camera.target) return null;
+  return {
+    eye: plain(camera.eye),
+    target: plain(camera.target),
+    up: plain(camera.up),
+    verticalFovDegrees: camera.verticalFovDegrees,
+  };
+}
+
+/** The same scene under another camera; the given one is not touched. */
+export function with_camera(scene: Scene, pose: CameraPose): Scene {
+  const camera = create(CameraSchema, {
+    eye: create(Vec3Schema, pose.eye),
+    target: create(Vec3Schema, pose.target),
+    up: create(Vec3Schema, pose.up),
+    verticalFovDegrees: pose.verticalFovDegrees,
+  });
+  return { ...scene, camera };
+}
+
+/** Whether two scenes show the same materials; cameras may differ. */
+export function same_look(a: Scene, b: Scene): boolean {
+  if (!a.transferFunction || !b.transferFunction) return a.transferFunction === b.transferFunction;
+  return equals(TransferFunctionSchema, a.transferFunction, b.transferFunction);
+}
+
+export const scene_to_json = (scene: Scene): string => toJsonString(SceneSchema, scene);
+
+/** Nothing when it is no scene (of another version, or damaged). */
+export function scene_from_json(json: string): Scene | null {
+  try {
+    return fromJsonString(SceneSchema, json);
+  } catch {
+    return null;
+  }
+}

@@ -1,0 +1,196 @@
+import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
+import { beforeEach, describe, expect, it } from "vitest";
+import { SceneSchema, type Scene } from "./gen/api/proto/scene_pb";
+import {
+  ClientMessageSchema,
+  Codec,
+  ConfigSchema,
+  FrameSchema,
+  ServerMessageSchema,
+  type ClientMessage,
+  type ServerMessage,
+} from "./gen/api/proto/stream_pb";
+import { StreamClient, type SocketEvents } from "./stream_client";
+
+const scene = (x: number): Scene => create(SceneSchema, { camera: { eye: { x, y: 0, z: 0 }, target: {} } });
+
+/** A world by hand: nothing happens until the test says so. */
+class World {
+  sent: ClientMessage[] = [];
+  sockets: SocketEvents[] = [];
+  urls: string[] = [];
+  timers: (() => void)[] = [];
+  frames: (() => void)[] = [];
+  seen: string[] = [];
+  configs: (number | undefined)[] = [];
+  doors = 0;
+  client: StreamClient;
+
+  constructor() {
+    this.client = new StreamClient(
+      {
+        door: () => Promise.resolve({ ok: true, url: `/stream?ticket=${++this.doors}` }),
+        open_socket: (url, events) => {
+          this.urls.push(url);
+          this.sockets.push(events);
+          return { send: (data) => this.sent.push(fromBinary(ClientMessageSchema, data)), close: () => undefined };
+        },
+        next_frame: (task) => this.frames.push(task),
+        after: (_ms, task) => {
+          this.timers = [task];
+          return () => (this.timers = []);
+        },
+        chance: () => 0.5,
+        codecs: [Codec.JPEG],
+        pixel_ratio: () => 2,
+      },
+      {
+        connection: (state) => this.seen.push(state.phase),
+        config: (config) => this.configs.push(config.scene?.camera?.eye?.x),
+        frame: () => this.seen.push("frame"),
+        state: () => undefined,
+        stats: () => undefined,
+        problem: () => this.seen.push("problem"),
+      },
+      { width: 640, height: 480 },
+    );
+  }
+
+  say(body: ServerMessage["body"]): void {
+    this.sockets.at(-1)?.message(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body })));
+  }
+  config(x: number, input_seq: number): void {
+    this.say({ case: "config", value: create(ConfigSchema, { scene: scene(x), inputSeq: BigInt(input_seq) }) });
+  }
+  screen(): void {
+    for (const task of this.frames.splice(0)) task();
+  }
+  timeout(): void {
+    for (const task of this.timers.splice(0)) task();
+  }
+  async live(x = 1, input_seq = 0): Promise<void> {
+    await Promise.resolve();
+    this.sockets.at(-1)?.opened();
+    this.config(x, input_seq);
+    this.screen();
+  }
+  updates(): { seq: number; x: number | undefined }[] {
+    return this.sent.flatMap(({ body }) =>
+      body.case === "scene" ? [{ seq: Number(body.value.inputSeq), x: body.value.scene?.camera?.eye?.x }] : [],
+    );
+  }
+}
+
+describe("the stream client", () => {
+  let world: World;
+  beforeEach(() => {
+    world = new World();
+    world.client.start();
+  });
+
+  it("greets with what it can decode and the size of its picture, before all else", async () => {
+    await Promise.resolve();
+    world.client.set_scene(scene(5));
+    world.screen();
+    world.sockets[0]?.opened();
+    expect(world.sent.map((m) => m.body.case)).toEqual(["hello"]);
+    expect(world.sent[0]?.body.value).toMatchObject({ protocol: 1, codecs: [Codec.JPEG], pixelRatio: 2, viewport: { width: 640 } });
+  });
+
+  it("sends the newest scene once a screen picture, numbered upwards", async () => {
+    await world.live();
+    for (const x of [2, 3, 4]) world.client.set_scene(scene(x));
+    expect(world.updates()).toEqual([]);
+    world.screen();
+    world.client.set_scene(scene(5));
+    world.screen();
+    world.screen();
+    expect(world.updates()).toEqual([
+      { seq: 1, x: 4 },
+      { seq: 2, x: 5 },
+    ]);
+  });
+
+  it("takes the scene of a session that is further than it, and counts on from there", async () => {
+    await world.live(7, 41);
+    expect(world.updates()).toEqual([]);
+    expect(world.configs).toEqual([7]);
+    world.client.set_scene(scene(8));
+    world.screen();
+    expect(world.updates()).toEqual([{ seq: 42, x: 8 }]);
+  });
+
+  it("says its scene again to a worker that has not seen it, after a loss and in a new session", async () => {
+    await world.live(1, 0);
+    world.client.set_scene(scene(9));
+    world.screen();
+    world.sockets.at(-1)?.closed(4503);
+    world.timeout();
+    await world.live(1, 0);
+    expect(world.urls).toEqual(["/stream?ticket=1", "/stream?ticket=2"]);
+    expect(world.updates()).toEqual([
+      { seq: 1, x: 9 },
+      { seq: 2, x: 9 },
+    ]);
+    expect(world.configs).toEqual([1, 9]);
+  });
+
+  it("does not disturb a worker that has seen everything", async () => {
+    await world.live(1, 0);
+    world.client.set_scene(scene(9));
+    world.screen();
+    world.sockets.at(-1)?.closed(1006);
+    world.timeout();
+    await world.live(9, 1);
+    expect(world.updates()).toHaveLength(1);
+  });
+
+  it("what was moved while the connection was away is sent when it is back", async () => {
+    await world.live(1, 0);
+    world.sockets.at(-1)?.closed(1006);
+    world.client.set_scene(scene(3));
+    world.screen();
+    world.timeout();
+    await world.live(1, 0);
+    expect(world.updates()).toEqual([{ seq: 1, x: 3 }]);
+  });
+
+  it("a remembered scene is said only where it was not seen", async () => {
+    const again = new World();
+    again.client.remember(scene(6), 12);
+    again.client.start();
+    await again.live(6, 12);
+    expect(again.updates()).toEqual([]);
+    const anew = new World();
+    anew.client.remember(scene(6), 12);
+    anew.client.start();
+    await anew.live(1, 0);
+    expect(anew.updates()).toEqual([{ seq: 13, x: 6 }]);
+  });
+
+  it("hears nothing of a socket that it has left", async () => {
+    await world.live();
+    const old = world.sockets[0];
+    old?.closed(1006);
+    world.timeout();
+    await world.live();
+    const before = world.seen.length;
+    old?.message(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body: { case: "frame", value: create(FrameSchema) } })));
+    old?.closed(1006);
+    expect(world.seen).toHaveLength(before);
+    expect(world.client.connection.phase).toBe("live");
+  });
+
+  it("a message that cannot be read ends the connection, not the page", async () => {
+    await world.live();
+    world.sockets.at(-1)?.message(new Uint8Array([0xff, 0xff, 0xff, 0xff]));
+    expect(world.client.connection).toMatchObject({ phase: "waiting", trouble: "refused" });
+  });
+
+  it("a change of size alone carries no scene", async () => {
+    await world.live();
+    world.client.set_viewport({ width: 800, height: 600 });
+    world.screen();
+    expect(world.updates()).toEqual([{ seq: 1, x: undefined }]);
+  });
+});

@@ -1,0 +1,266 @@
+import { advance, first_state, type ConnectionEffect, type ConnectionEvent, type ConnectionState, type Trouble } from "./connection";
+import {
+  decode_server_message,
+  encode_ack,
+  encode_hello,
+  encode_scene,
+  encode_visibility,
+  type Codec,
+  type Config,
+  type Frame,
+  type FrameTimes,
+  type Problem,
+  type Scene,
+  type State,
+  type Stats,
+  type Viewport,
+} from "./messages";
+
+/** Leads to a worker: a one-time address, or why there is none. Asked anew for each try. */
+export type Door = (signal: AbortSignal) => Promise<
+  | { readonly ok: true; readonly url: string }
+  | { readonly ok: false; readonly trouble: Trouble; readonly final: boolean; readonly retry_after_ms?: number }
+>;
+
+/** As much of a WebSocket as is used; a test gives its own. */
+export interface Socket {
+  send(data: Uint8Array<ArrayBuffer>): void;
+  close(): void;
+}
+export interface SocketEvents {
+  opened(): void;
+  message(data: Uint8Array): void;
+  closed(code: number): void;
+}
+export type OpenSocket = (url: string, events: SocketEvents) => Socket;
+
+export interface Surroundings {
+  readonly door: Door;
+  readonly open_socket: OpenSocket;
+  /** Runs `task` once before the next picture of the screen. */
+  readonly next_frame: (task: () => void) => void;
+  readonly after: (ms: number, task: () => void) => () => void;
+  readonly chance: () => number;
+  readonly codecs: readonly Codec[];
+  readonly pixel_ratio: () => number;
+}
+
+export interface StreamEvents {
+  connection(state: ConnectionState): void;
+  /** Before any frame of the connection. */
+  config(config: Config): void;
+  frame(frame: Frame): void;
+  state(state: State): void;
+  stats(stats: Stats): void;
+  problem(problem: Problem): void;
+}
+
+/**
+ * Speaks api/proto/stream.proto. Holds the scene as the person wants it: absolute, the newest wins, sent at most once
+ * a screen picture, and sent again to a worker that does not have it.
+ */
+export class StreamClient {
+  private state_: ConnectionState = first_state;
+  private socket_: Socket | null = null;
+  private socket_number_ = 0;
+  private disarm_: () => void = () => undefined;
+  private asking_: AbortController | null = null;
+
+  private scene_: Scene | null = null;
+  private viewport_: Viewport;
+  private visible_ = true;
+  private input_seq_ = 0;
+  private scene_pending_ = false;
+  private viewport_pending_ = false;
+  private flush_planned_ = false;
+
+  constructor(
+    private readonly around_: Surroundings,
+    private readonly events_: StreamEvents,
+    viewport: Viewport,
+  ) {
+    this.viewport_ = viewport;
+  }
+
+  get connection(): ConnectionState {
+    return this.state_;
+  }
+
+  /** The number of the newest input that has been given. */
+  get input_seq(): number {
+    return this.input_seq_;
+  }
+
+  start(): void {
+    this.happened({ kind: "start" });
+  }
+
+  stop(): void {
+    this.happened({ kind: "stop" });
+  }
+
+  /** The network is back, or the page is looked at again: no need to wait longer. */
+  wake(): void {
+    this.happened({ kind: "wake" });
+  }
+
+  /** Before `start`: what an earlier visit wanted last. Said only to a worker that has seen less. */
+  remember(scene: Scene, input_seq: number): void {
+    this.scene_ = scene;
+    this.input_seq_ = input_seq;
+  }
+
+  set_scene(scene: Scene): void {
+    this.scene_ = scene;
+    this.scene_pending_ = true;
+    this.plan_flush();
+  }
+
+  set_viewport(viewport: Viewport): void {
+    if (viewport.width === this.viewport_.width && viewport.height === this.viewport_.height) return;
+    this.viewport_ = viewport;
+    this.viewport_pending_ = true;
+    this.plan_flush();
+  }
+
+  set_visible(visible: boolean): void {
+    if (visible === this.visible_) return;
+    this.visible_ = visible;
+    if (this.state_.phase === "live") this.socket_?.send(encode_visibility(visible));
+  }
+
+  /** Owed for each frame, shown or not: the server keeps about two in flight. */
+  ack(frame: Frame, times: FrameTimes, queue: number): void {
+    if (this.state_.phase === "live") this.socket_?.send(encode_ack(frame.seq, frame.epoch, times, queue));
+    if (times.presented_ms !== undefined) this.happened({ kind: "picture" });
+  }
+
+  private plan_flush(): void {
+    if (this.flush_planned_) return;
+    this.flush_planned_ = true;
+    this.around_.next_frame(() => {
+      this.flush_planned_ = false;
+      this.flush();
+    });
+  }
+
+  private flush(): void {
+    if (!this.scene_pending_ && !this.viewport_pending_) return;
+    if (this.state_.phase !== "live" || !this.socket_) return; // said by `configured` once there is a connection
+    this.input_seq_ += 1;
+    this.socket_.send(
+      encode_scene(this.input_seq_, {
+        ...(this.scene_pending_ && this.scene_ ? { scene: this.scene_ } : {}),
+        ...(this.viewport_pending_ ? { viewport: this.viewport_ } : {}),
+      }),
+    );
+    this.scene_pending_ = false;
+    this.viewport_pending_ = false;
+  }
+
+  private configured(config: Config): void {
+    this.happened({ kind: "configured" });
+    if (this.state_.phase !== "live") return;
+    const seen = Number(config.inputSeq);
+    // What this page wanted last and the worker has not seen (lost on the way, or a new session) wins.
+    if (this.scene_ && (this.scene_pending_ || seen < this.input_seq_)) this.scene_pending_ = true;
+    else if (config.scene) this.scene_ = config.scene;
+    this.input_seq_ = Math.max(this.input_seq_, seen);
+    if (!this.visible_) this.socket_?.send(encode_visibility(false));
+    this.events_.config(this.scene_ ? { ...config, scene: this.scene_ } : config);
+    this.plan_flush();
+  }
+
+  private received(data: Uint8Array): void {
+    let message;
+    try {
+      message = decode_server_message(data);
+    } catch {
+      this.happened({ kind: "closed", code: 4400 });
+      return;
+    }
+    const body = message.body;
+    switch (body.case) {
+      case "config":
+        this.configured(body.value);
+        break;
+      case "frame":
+        this.events_.frame(body.value);
+        break;
+      case "state":
+        this.events_.state(body.value);
+        break;
+      case "stats":
+        this.events_.stats(body.value);
+        break;
+      case "problem":
+        this.events_.problem(body.value);
+        break;
+      default: // of a later protocol: nothing that this page must know
+    }
+  }
+
+  private happened(event: ConnectionEvent): void {
+    const before = this.state_;
+    const step = advance(before, event, this.around_.chance());
+    this.state_ = step.state;
+    for (const effect of step.effects) this.carry_out(effect);
+    if (step.state !== before) this.events_.connection(step.state);
+  }
+
+  private carry_out(effect: ConnectionEffect): void {
+    switch (effect.kind) {
+      case "ask_ticket":
+        this.ask();
+        break;
+      case "open":
+        this.open(effect.url);
+        break;
+      case "greet":
+        this.viewport_pending_ = false; // the greeting says it
+        this.socket_?.send(encode_hello(this.around_.codecs, this.around_.pixel_ratio(), this.viewport_));
+        break;
+      case "close":
+        this.asking_?.abort();
+        this.socket_number_ += 1; // whatever the old one still says is not heard
+        this.socket_?.close();
+        this.socket_ = null;
+        break;
+      case "timer":
+        this.disarm_();
+        this.disarm_ = this.around_.after(effect.ms, () => this.happened({ kind: "timeout" }));
+        break;
+      case "disarm":
+        this.disarm_();
+        break;
+    }
+  }
+
+  private ask(): void {
+    this.asking_?.abort();
+    const asking = new AbortController();
+    this.asking_ = asking;
+    this.around_.door(asking.signal).then(
+      (answer) => {
+        if (asking.signal.aborted) return;
+        if (answer.ok) this.happened({ kind: "ticket", url: answer.url });
+        else this.happened({ kind: "no_ticket", ...answer });
+      },
+      () => {
+        if (!asking.signal.aborted) this.happened({ kind: "no_ticket", trouble: "unreachable", final: false });
+      },
+    );
+  }
+
+  private open(url: string): void {
+    const number = ++this.socket_number_;
+    const heard = (task: () => void) => {
+      if (number === this.socket_number_) task();
+    };
+    this.socket_ = this.around_.open_socket(url, {
+      opened: () => heard(() => this.happened({ kind: "opened" })),
+      message: (data) => heard(() => this.received(data)),
+      closed: (code) => heard(() => this.happened({ kind: "closed", code })),
+    });
+  }
+}
