@@ -8,6 +8,7 @@
 
 #include "api/proto/scene.pb.h"
 #include "common/result.h"
+#include "renderd/scene/canvas.h"
 #include "volume/volume.h"
 
 namespace diaphane::render {
@@ -15,6 +16,7 @@ namespace diaphane::render {
 struct Canvas {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
+  friend bool operator==(const Canvas&, const Canvas&) = default;
 };
 
 /// sRGB-like display picture: 8 bits, interleaved RGB, rows from the top, no padding.
@@ -30,8 +32,8 @@ struct PictureRgbF {
 };
 
 struct EngineInfo {
-  std::string engine;            ///< "cpu" or "cuda"
-  std::string device;            ///< "2 CPU threads", "NVIDIA H200"
+  std::string engine;  ///< "cpu" or "cuda"
+  std::string device;  ///< "2 CPU threads", "NVIDIA H200"
   std::uint64_t memory_bytes = 0;
 };
 
@@ -45,29 +47,30 @@ class DeviceVolume {
 
 /// What one call of FrameRenderer::render did.
 struct Batch {
-  std::uint32_t samples = 0;          ///< per pixel; fewer than asked when stopped
+  std::uint32_t samples = 0;  ///< per pixel; fewer than asked when stopped
   double seconds = 0;
   std::uint64_t dropped_samples = 0;  ///< not finite: dropped and counted
 };
 
 /// The state of the accumulated picture.
 struct Progress {
-  std::uint64_t samples = 0;     ///< per pixel
-  double seconds = 0;            ///< of rendering, since the scene was set
-  /// Estimated relative RMSE of the picture as displayed against the converged one, from independent halves;
-  /// infinity below two samples.
+  std::uint64_t samples = 0;  ///< per pixel
+  double seconds = 0;         ///< of rendering, since the scene was set
+  /// Estimated relative RMSE of the picture as displayed against the converged one, from
+  /// independent halves; infinity below two samples.
   double error = 0;
 };
 
-/// Renders one session's picture progressively. Not thread-safe; the runner calls it from one thread.
+/// Renders one session's picture progressively. Not thread-safe; the runner calls it from one
+/// thread.
 class FrameRenderer {
  public:
   virtual ~FrameRenderer() = default;
-  /// Replaces scene and canvas and clears the film. On an error (kInvalid names the field) scene, canvas and
-  /// picture stay as they were.
+  /// Replaces scene and canvas and clears the film. On an error (kInvalid names the field) scene,
+  /// canvas and picture stay as they were.
   virtual Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) = 0;
-  /// Adds up to `samples` samples per pixel; returns early, between rows or launches, when `stop` says so;
-  /// then the unfinished part is discarded, so that every pixel has the same count.
+  /// Adds up to `samples` samples per pixel; returns early, between rows or launches, when `stop`
+  /// says so; then the unfinished part is discarded, so that every pixel has the same count.
   virtual Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) = 0;
   virtual Progress progress() const = 0;
   /// Tone-mapped picture of what is accumulated.
@@ -84,9 +87,9 @@ class Engine {
   virtual EngineInfo info() const = 0;
   virtual Result<std::shared_ptr<const DeviceVolume>> load(const volume::Volume& volume) = 0;
   /// `seed` and `first_sample` keep the sample ranges of different devices disjoint.
-  virtual Result<std::unique_ptr<FrameRenderer>> renderer(std::shared_ptr<const DeviceVolume> volume,
-                                                          std::uint64_t seed,
-                                                          std::uint64_t first_sample) = 0;
+  virtual Result<std::unique_ptr<FrameRenderer>> renderer(
+      std::shared_ptr<const DeviceVolume> volume, std::uint64_t seed,
+      std::uint64_t first_sample) = 0;
 };
 
 enum class EngineChoice { kAuto, kCpu, kCuda };

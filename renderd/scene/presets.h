@@ -10,13 +10,15 @@
 
 namespace diaphane::render {
 
-/// The presets (skin, muscle, vessels, bone) fitted to a volume: camera in front of the patient, at a distance from
-/// which the whole box is seen; lights by the box's radius; ranges in Hounsfield units for CT, by percentiles otherwise.
+/// The presets (skin, muscle, vessels, bone) fitted to a volume: camera in front of the patient, at
+/// a distance from which the whole box is seen; lights by the box's radius; ranges in Hounsfield
+/// units for CT, by percentiles otherwise.
 std::vector<diaphane::v1::Preset> presets_for(const volume::Header& header);
 Result<diaphane::v1::Preset> preset_for(const volume::Header& header, std::string_view name);
 
-/// Checks everything that a scene may hold; the first thing wrong is named ("lights[1].rectangle.radiance.r").
-/// Not finite, negative extinction, reversed or empty ranges, no channel, a camera without direction: kInvalid.
+/// Checks everything that a scene may hold; the first thing wrong is named
+/// ("lights[1].rectangle.radiance.r"). Not finite, negative extinction, reversed or empty ranges,
+/// no channel, a camera without direction: kInvalid.
 Result<void> check_scene(const diaphane::v1::Scene& scene);
 
 /// The JSON form, both ways. Unknown fields are refused by name.

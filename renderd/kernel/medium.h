@@ -1,0 +1,63 @@
+#pragma once
+
+#include "renderd/kernel/views.h"
+#include "renderd/math/vector.h"
+
+namespace diaphane::render {
+
+HOST_DEVICE float LinearVolume::at(Float3 p) const {
+  // The lower corner of the cell between voxel centres, clamped so that a border voxel goes on to
+  // the box's edge.
+  const float fx = smaller(larger(p.x - 0.5f, 0.0f), static_cast<float>(size.x - 1));
+  const float fy = smaller(larger(p.y - 0.5f, 0.0f), static_cast<float>(size.y - 1));
+  const float fz = smaller(larger(p.z - 0.5f, 0.0f), static_cast<float>(size.z - 1));
+  const std::int32_t ix = static_cast<std::int32_t>(fx);
+  const std::int32_t iy = static_cast<std::int32_t>(fy);
+  const std::int32_t iz = static_cast<std::int32_t>(fz);
+  const std::int32_t dx = ix + 1 < size.x ? 1 : 0;
+  const std::int64_t dy = iy + 1 < size.y ? size.x : 0;
+  const std::int64_t dz = iz + 1 < size.z ? std::int64_t{size.x} * size.y : 0;
+  const std::int16_t* v = voxels + (ix + size.x * (iy + std::int64_t{size.y} * iz));
+  const float wx = fx - static_cast<float>(ix);
+  const float wy = fy - static_cast<float>(iy);
+  const float wz = fz - static_cast<float>(iz);
+  const float v000 = v[0], v100 = v[dx], v010 = v[dy], v110 = v[dy + dx];
+  const float v001 = v[dz], v101 = v[dz + dx], v011 = v[dz + dy], v111 = v[dz + dy + dx];
+  const float v00 = v000 + wx * (v100 - v000), v10 = v010 + wx * (v110 - v010);
+  const float v01 = v001 + wx * (v101 - v001), v11 = v011 + wx * (v111 - v011);
+  const float v0 = v00 + wy * (v10 - v00), v1 = v01 + wy * (v11 - v01);
+  return v0 + wz * (v1 - v0);
+}
+
+/// A place in the transfer function's tables: between `node` and `node + 1`.
+struct TableSpot {
+  std::int32_t node;
+  float weight;
+};
+
+HOST_DEVICE TableSpot table_spot(const TransferView& t, float value) {
+  const float x =
+      smaller(larger(value * t.scale + t.offset, 0.0f), static_cast<float>(t.count - 1));
+  const std::int32_t node = smaller(static_cast<std::int32_t>(x), t.count - 2);
+  return {node, x - static_cast<float>(node)};
+}
+
+/// Per mm.
+HOST_DEVICE float extinction_at(const TransferView& t, float value) {
+  const TableSpot s = table_spot(t, value);
+  const float a = t.extinction[s.node];
+  return a + s.weight * (t.extinction[s.node + 1] - a);
+}
+
+/// Single-scattering albedo. Black where no channel is active.
+HOST_DEVICE Float3 albedo_at(const TransferView& t, float value) {
+  const TableSpot s = table_spot(t, value);
+  const Float4 a = t.colour[s.node], b = t.colour[s.node + 1];
+  const float w = a.w + s.weight * (b.w - a.w);
+  if (!(w > 0.0f)) return {0.0f, 0.0f, 0.0f};
+  const Float3 sum{a.x + s.weight * (b.x - a.x), a.y + s.weight * (b.y - a.y),
+                   a.z + s.weight * (b.z - a.z)};
+  return sum * (1.0f / w);
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "renderd/math/vector.h"
+
+namespace diaphane::render {
+
+inline constexpr float kPi = 3.14159265358979f;
+inline constexpr float kIsotropicPhase = 0.0795774715459477f;  ///< 1 / (4 pi), per steradian
+
+/// Henyey-Greenstein, per steradian; `in` and `out` are the unit directions in which light travels
+/// before and after (either may be swapped for its reverse together with the other). For any g in
+/// (-1, 1): the denominator is (1 - |g|)^2 + 2 |g| (1 - +-cos), whose two terms are both positive
+/// and need no cancellation.
+HOST_DEVICE float henyey_greenstein(float g, Float3 in, Float3 out) {
+  const float a = fabsf(g);
+  const Float3 d = g < 0.0f ? in + out : in - out;
+  const float one_minus_cos = 0.5f * dot(d, d);
+  const float o = 1.0f - a;
+  const float denominator = o * o + 2.0f * a * one_minus_cos;
+  return kIsotropicPhase * o * (1.0f + a) / (denominator * sqrtf(denominator));
+}
+
+/// 1 - cos of the angle, distributed as Henyey-Greenstein for 0 <= g < 1, from u in [0, 1]: no
+/// cancellation near g = 1 or near the forward direction. For g < 0 sample |g| and mirror.
+HOST_DEVICE float sample_one_minus_cos(float g, float u) {
+  const float o = 1.0f - g;
+  const float d = o + 2.0f * g * u;
+  const float s = o * (1.0f + g) / d;
+  return o * (1.0f - u) * (s + o) / d;
+}
+
+/// A unit direction distributed as Henyey-Greenstein around the unit direction `in`; g in (-1, 1).
+HOST_DEVICE Float3 sample_henyey_greenstein(float g, Float3 in, float u, float v) {
+  const float c = smaller(sample_one_minus_cos(fabsf(g), u), 2.0f);
+  const float sine = sqrtf(larger(c * (2.0f - c), 0.0f));
+  const float cosine = g < 0.0f ? c - 1.0f : 1.0f - c;
+  Float3 s, t;
+  basis_around(in, s, t);
+  const float angle = 2.0f * kPi * v;
+  return s * (sine * cosf(angle)) + t * (sine * sinf(angle)) + in * cosine;
+}
+
+/// A unit direction, uniform over the sphere.
+HOST_DEVICE Float3 sample_sphere(float u, float v) {
+  const float z = 1.0f - 2.0f * u;
+  const float r = 2.0f * sqrtf(larger(u * (1.0f - u), 0.0f));
+  const float angle = 2.0f * kPi * v;
+  return {r * cosf(angle), r * sinf(angle), z};
+}
+
+}  // namespace diaphane::render

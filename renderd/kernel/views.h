@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+
+#include "renderd/math/vector.h"
+
+// What a kernel reads, as plain views: no ownership, no containers, the pointers are the executor's
+// (host or device).
+//
+// Space: everything in a kernel is in the *volume's frame*: millimetres along the voxel axes,
+// origin at the corner of voxel (0,0,0). Preparation rotates camera and lights into it once, so a
+// step from millimetres to voxel indices is a multiplication by the inverse spacing. Distances
+// along a ray are in millimetres.
+
+namespace diaphane::render {
+
+/// Edge of a macrocell in voxels, a power of two.
+inline constexpr int kCellShift = 3;
+inline constexpr int kCellSize = 1 << kCellShift;
+
+/// Trilinear interpolation between voxel centres (index + 1/2), clamped at the edges; int16 voxels,
+/// x fastest, arithmetic in fp32. The reference way to read a volume; an engine may bring its own
+/// type with the same at().
+struct LinearVolume {
+  const std::int16_t* voxels;
+  Int3 size;
+
+  /// `p` in voxel indices.
+  HOST_DEVICE float at(Float3 p) const;
+};
+
+/// Extinction and colour by value, baked to tables of `count` >= 2 nodes and interpolated linearly.
+struct TransferView {
+  const float* extinction;  ///< per mm
+  /// Sum over the channels of opacity times albedo, and in w the sum of opacities: the mean colour
+  /// is xyz / w, and both sums interpolate without darkening where a channel begins (thesis 3.1.1).
+  const Float4* colour;
+  float scale, offset;  ///< node = value * scale + offset
+  std::int32_t count;
+};
+
+/// Bounds of the extinction (per mm) anywhere in a macrocell.
+struct CellBounds {
+  float minorant, majorant;
+};
+
+/// Axis-aligned box in voxel indices.
+struct Box {
+  Float3 low, high;
+};
+
+struct GridView {
+  const CellBounds* cells;  ///< x fastest
+  Int3 size;                ///< in cells
+  Box occupied;  ///< around all cells whose majorant is not 0; low > high when there are none
+};
+
+/// One-sided: it shines to the side of `normal`.
+struct RectangleLight {
+  Float3 corner, u, v;
+  Float3 normal;  ///< unit, cross(u, v)
+  float area;     ///< mm^2
+  Float3 radiance;
+  /// Picked for u in [cumulative of the one before, cumulative); `probability` is the difference.
+  float probability, cumulative;
+};
+
+struct LightsView {
+  const RectangleLight* rectangles;
+  std::uint32_t rectangle_count;
+  Float3 environment;  ///< sum of all environment lights' radiance
+};
+
+/// Pinhole. A ray begins at depth `near` along the view axis, just before the box, not at the eye:
+/// its coordinates stay small however far away the eye is.
+struct CameraView {
+  Float3 start;      ///< eye + near * forward, mm in the volume's frame
+  Float3 forward;    ///< unit
+  Float3 right, up;  ///< of length tan(half the field of view): to the picture's edges at depth 1
+  float near;        ///< mm
+};
+
+/// All that one sample of one pixel depends on. `Volume` has `float at(Float3 index) const`.
+template <typename Volume>
+struct SceneView {
+  Volume volume;
+  Float3 inverse_spacing;  ///< voxels per mm
+  Float3 spacing;          ///< mm
+  TransferView transfer;
+  GridView grid;
+  LightsView lights;
+  CameraView camera;
+  float phase_g;
+  Float3 escape;  ///< radiance of a camera ray that leaves the volume
+  std::uint32_t width, height;
+  std::uint64_t seed;
+};
+
+}  // namespace diaphane::render

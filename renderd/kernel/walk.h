@@ -1,0 +1,111 @@
+#pragma once
+
+#include "renderd/kernel/views.h"
+#include "renderd/math/vector.h"
+
+namespace diaphane::render {
+
+/// In voxel indices; `direction` is voxels per mm along the ray, so that the parameter is in mm.
+struct Ray {
+  Float3 origin, direction;
+
+  HOST_DEVICE Float3 at(float t) const { return origin + direction * t; }
+};
+
+/// mm along a ray; empty when begin >= end.
+struct Span {
+  float begin, end;
+};
+
+HOST_DEVICE void clip_axis(Span& span, float origin, float direction, float low, float high) {
+  if (direction == 0.0f) {  // also -0: never a division by it
+    if (origin < low || origin > high) span.end = span.begin;
+    return;
+  }
+  const float inverse = 1.0f / direction;
+  const float a = (low - origin) * inverse, b = (high - origin) * inverse;
+  span.begin = larger(span.begin, smaller(a, b));
+  span.end = smaller(span.end, larger(a, b));
+}
+
+/// The part of `span` inside `box`.
+HOST_DEVICE Span clip(const Ray& ray, const Box& box, Span span) {
+  clip_axis(span, ray.origin.x, ray.direction.x, box.low.x, box.high.x);
+  clip_axis(span, ray.origin.y, ray.direction.y, box.low.y, box.high.y);
+  clip_axis(span, ray.origin.z, ray.direction.z, box.low.z, box.high.z);
+  return span;
+}
+
+/// Walks the macrocells along a ray in order (Amanatides and Woo 1987). Cells are counted in
+/// integers and the distance never goes back, so rays through edges and corners, along axes and
+/// from inside all end. A position inside the piece [begin, end) may lie outside the cell by
+/// rounding; the bounds of a cell hold half a voxel beyond it.
+class CellWalk {
+ public:
+  HOST_DEVICE CellWalk(const Ray& ray, Span span, const GridView& grid)
+      : begin_(span.begin), last_(span.end) {
+    const Float3 p = ray.at(span.begin);
+    const std::int32_t x = start(0, p.x, ray.origin.x, ray.direction.x, grid.size.x, 1);
+    const std::int32_t y = start(1, p.y, ray.origin.y, ray.direction.y, grid.size.y, grid.size.x);
+    const std::int32_t z =
+        start(2, p.z, ray.origin.z, ray.direction.z, grid.size.z, grid.size.x * grid.size.y);
+    cell_ = x + grid.size.x * (y + grid.size.y * z);
+    find_end();
+  }
+
+  HOST_DEVICE std::int32_t cell() const { return cell_; }
+  HOST_DEVICE float begin() const { return begin_; }
+  HOST_DEVICE float end() const { return end_; }
+
+  /// To the next cell; false when the span or the grid ends.
+  HOST_DEVICE bool advance() {
+    if (end_ >= last_) return false;
+    begin_ = end_;
+    if (next_[0] <= next_[1] && next_[0] <= next_[2]) {
+      if (!step(0)) return false;
+    } else if (next_[1] <= next_[2]) {
+      if (!step(1)) return false;
+    } else {
+      if (!step(2)) return false;
+    }
+    find_end();
+    return true;
+  }
+
+ private:
+  HOST_DEVICE std::int32_t start(int axis, float position, float origin, float direction,
+                                 std::int32_t size, std::int32_t stride) {
+    const float scaled = position * (1.0f / kCellSize);
+    // The comparison sends what is below the grid, and NaN, to 0.
+    std::int32_t i = scaled > 0.0f ? static_cast<std::int32_t>(smaller(scaled, 1e9f)) : 0;
+    i = smaller(i, size - 1);
+    if (direction == 0.0f) {
+      next_[axis] = delta_[axis] = 3.4e38f;
+      left_[axis] = 1;
+      stride_[axis] = 0;
+      return i;
+    }
+    const float inverse = 1.0f / direction;
+    const bool up = direction > 0.0f;
+    next_[axis] = (static_cast<float>((i + (up ? 1 : 0)) * kCellSize) - origin) * inverse;
+    delta_[axis] = static_cast<float>(kCellSize) * (up ? inverse : -inverse);
+    left_[axis] = up ? size - i : i + 1;
+    stride_[axis] = up ? stride : -stride;
+    return i;
+  }
+  HOST_DEVICE bool step(int axis) {
+    next_[axis] += delta_[axis];
+    cell_ += stride_[axis];
+    return --left_[axis] > 0;
+  }
+  HOST_DEVICE void find_end() {
+    end_ = larger(begin_, smaller(last_, smaller(next_[0], smaller(next_[1], next_[2]))));
+  }
+
+  float begin_, end_, last_;
+  float next_[3], delta_[3];
+  std::int32_t left_[3], stride_[3];
+  std::int32_t cell_;
+};
+
+}  // namespace diaphane::render

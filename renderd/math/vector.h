@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "renderd/math/host_device.h"
+
+namespace diaphane::render {
+
+/// Three numbers: a point, a direction or a colour. Plain data, the same on host and device.
+template <typename T>
+struct Vector3 {
+  T x, y, z;
+
+  HOST_DEVICE constexpr T operator[](int axis) const { return axis == 0 ? x : (axis == 1 ? y : z); }
+};
+
+using Float3 = Vector3<float>;
+using Double3 = Vector3<double>;
+using Int3 = Vector3<std::int32_t>;
+
+/// 16 bytes, aligned, so that one load fetches it.
+struct alignas(16) Float4 {
+  float x, y, z, w;
+};
+
+template <typename T>
+HOST_DEVICE constexpr Vector3<T> operator+(Vector3<T> a, Vector3<T> b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <typename T>
+HOST_DEVICE constexpr Vector3<T> operator-(Vector3<T> a, Vector3<T> b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+/// Component by component.
+template <typename T>
+HOST_DEVICE constexpr Vector3<T> operator*(Vector3<T> a, Vector3<T> b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
+template <typename T>
+HOST_DEVICE constexpr Vector3<T> operator*(Vector3<T> a, T s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+template <typename T>
+HOST_DEVICE constexpr Vector3<T> operator*(T s, Vector3<T> a) {
+  return a * s;
+}
+template <typename T>
+HOST_DEVICE constexpr Vector3<T>& operator+=(Vector3<T>& a, Vector3<T> b) {
+  a = a + b;
+  return a;
+}
+template <typename T>
+HOST_DEVICE constexpr T dot(Vector3<T> a, Vector3<T> b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <typename T>
+HOST_DEVICE constexpr Vector3<T> cross(Vector3<T> a, Vector3<T> b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+HOST_DEVICE float length(Float3 a) { return sqrtf(dot(a, a)); }
+HOST_DEVICE double length(Double3 a) { return sqrt(dot(a, a)); }
+/// `a` is not zero.
+template <typename T>
+HOST_DEVICE Vector3<T> normalize(Vector3<T> a) {
+  return a * (T{1} / length(a));
+}
+HOST_DEVICE bool is_finite(Float3 a) {
+  // A difference with itself is 0 only for finite numbers; survives -ffast-math-free builds on both
+  // sides.
+  return (a.x - a.x) + (a.y - a.y) + (a.z - a.z) == 0.0f;
+}
+HOST_DEVICE constexpr Float3 to_float(Double3 a) {
+  return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
+}
+HOST_DEVICE constexpr Double3 to_double(Float3 a) { return {a.x, a.y, a.z}; }
+
+/// Not std::min and std::max: device code, and the second argument wins when the first is NaN.
+template <typename T>
+HOST_DEVICE constexpr T smaller(T a, T b) {
+  return a < b ? a : b;
+}
+template <typename T>
+HOST_DEVICE constexpr T larger(T a, T b) {
+  return a > b ? a : b;
+}
+
+/// Two unit vectors that make a right-handed orthonormal basis with the unit vector `n`, without a
+/// branch (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
+HOST_DEVICE void basis_around(Float3 n, Float3& s, Float3& t) {
+  const float sign = n.z < 0.0f ? -1.0f : 1.0f;
+  const float a = -1.0f / (sign + n.z);
+  const float b = n.x * n.y * a;
+  s = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
+  t = {b, sign + n.y * n.y * a, -n.y};
+}
+
+}  // namespace diaphane::render

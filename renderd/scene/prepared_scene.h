@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "api/proto/scene.pb.h"
+#include "common/result.h"
+#include "renderd/kernel/features.h"
+#include "renderd/kernel/views.h"
+#include "renderd/scene/canvas.h"
+#include "renderd/scene/grid.h"
+#include "renderd/scene/transfer.h"
+#include "volume/volume.h"
+
+namespace diaphane::render {
+
+/// A checked scene as plain arrays in the volume's frame: all that an engine uploads. Both engines
+/// share it, so a scene means the same on both.
+struct PreparedScene {
+  Features features;
+  /// Shared with the scene before when the transfer function is the same: the same pointer, nothing
+  /// to upload.
+  std::shared_ptr<const PreparedTransfer> transfer;
+  std::vector<RectangleLight> rectangles;
+  Float3 environment{};
+  CameraView camera{};
+  float phase_g = 0;
+  Float3 escape{};
+  Canvas canvas;
+  Float3 spacing{};          ///< mm
+  float exposure_scale = 1;  ///< 2^exposure: what the display multiplies radiance by
+};
+
+/// Checks `scene` (kInvalid names the field) and prepares it for a volume; `before` may be the
+/// scene prepared last for the same volume, and `before_scene` what it came from.
+Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas canvas,
+                                    const volume::Header& header, const ValueGrid& grid,
+                                    const PreparedScene* before = nullptr,
+                                    const diaphane::v1::Scene* before_scene = nullptr);
+
+/// The view of a prepared scene over an executor's copies of its arrays.
+template <typename Volume>
+SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, const float* extinction,
+                          const Float4* colour, const CellBounds* bounds,
+                          const RectangleLight* rectangles, std::uint64_t seed) {
+  const PreparedTransfer& t = *scene.transfer;
+  const Float3 s = scene.spacing;
+  return SceneView<Volume>{
+      .volume = volume,
+      .inverse_spacing = {1.0f / s.x, 1.0f / s.y, 1.0f / s.z},
+      .spacing = s,
+      .transfer = {extinction, colour, t.scale, t.offset,
+                   static_cast<std::int32_t>(t.extinction.size())},
+      .grid = {bounds, t.cells, t.occupied},
+      .lights = {rectangles, static_cast<std::uint32_t>(scene.rectangles.size()),
+                 scene.environment},
+      .camera = scene.camera,
+      .phase_g = scene.phase_g,
+      .escape = scene.escape,
+      .width = scene.canvas.width,
+      .height = scene.canvas.height,
+      .seed = seed};
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <vector>
+
+#include "api/proto/scene.pb.h"
+#include "renderd/kernel/views.h"
+#include "renderd/scene/grid.h"
+
+namespace diaphane::render {
+
+/// The transfer function baked for one volume: tables over the volume's range of values and the
+/// bounds of the extinction in each macrocell. Depends on nothing else of a scene, so a camera edit
+/// reuses it.
+struct PreparedTransfer {
+  std::vector<float> extinction;   ///< TransferView::extinction
+  std::vector<Float4> colour;      ///< TransferView::colour, as long
+  float scale = 0, offset = 0;     ///< TransferView
+  Int3 cells{};                    ///< GridView::size
+  std::vector<CellBounds> bounds;  ///< GridView::cells
+  Box occupied{};                  ///< GridView::occupied
+};
+
+/// What the transfer function is at one voxel value, exactly: the overlap rule of thesis 3.1.1.
+struct Material {
+  double opacity = 0;         ///< the largest of the channels'
+  Double3 weighted_albedo{};  ///< sum of opacity times albedo
+  double weight = 0;          ///< sum of the opacities
+};
+Material material_at(const diaphane::v1::TransferFunction& function, double value);
+
+/// `function` has passed check_scene.
+PreparedTransfer prepare_transfer(const diaphane::v1::TransferFunction& function,
+                                  const ValueGrid& grid, Int3 size, std::int32_t minimum,
+                                  std::int32_t maximum);
+
+}  // namespace diaphane::render
