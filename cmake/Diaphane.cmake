@@ -16,9 +16,13 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 
 find_program(DIAPHANE_CCACHE ccache)
 if(DIAPHANE_CCACHE)
-  set(CMAKE_C_COMPILER_LAUNCHER ${DIAPHANE_CCACHE})
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${DIAPHANE_CCACHE})
-  set(CMAKE_CUDA_COMPILER_LAUNCHER ${DIAPHANE_CCACHE})
+  # Paths relative to the checkout, so that clones and build directories share what one of them compiled;
+  # the sloppiness is what precompiled headers need (ccache's manual, "Precompiled headers").
+  set(_launcher ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1
+      CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${DIAPHANE_CCACHE})
+  set(CMAKE_C_COMPILER_LAUNCHER ${_launcher})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${_launcher})
+  set(CMAKE_CUDA_COMPILER_LAUNCHER ${_launcher})
 endif()
 
 set(DIAPHANE_SANITIZE "" CACHE STRING "address;undefined | thread")

@@ -6,6 +6,13 @@ import sys
 import time
 
 _started = time.monotonic()
+_out = sys.stdout
+
+
+def to_stderr() -> None:
+    """From now on: for commands whose standard output is their result."""
+    global _out
+    _out = sys.stderr
 
 
 class HouseError(Exception):
@@ -17,12 +24,12 @@ class HouseError(Exception):
 
 
 def say(text: str) -> None:
-    print(text, flush=True)
+    print(text, file=_out, flush=True)
 
 
 def step(text: str) -> None:
     """A step of something long, with the seconds since the start, so that a log shows what took the time."""
-    print(f"[{time.monotonic() - _started:6.1f}s] {text}", flush=True)
+    print(f"[{time.monotonic() - _started:6.1f}s] {text}", file=_out, flush=True)
 
 
 def warn(text: str) -> None:

@@ -52,6 +52,7 @@ class Stack:
     only: Iterable[str] | None = None    # names of the programs to run; all of them when None
     extra_env: dict[str, str] = field(default_factory=dict)
     on_event: Callable[[str], None] = lambda text: None
+    stop_requested: threading.Event = field(default_factory=threading.Event)  # gives up a start that goes on
 
     def __post_init__(self) -> None:
         self.data = Path(self.data).resolve()
@@ -275,7 +276,7 @@ class Stack:
 
     def _wait_first_ready(self, name: str, deadline: float) -> None:
         entry = self.running_[name]
-        while time.monotonic() < deadline and not self.stopping_.is_set():
+        while time.monotonic() < deadline and not self.stop_requested.is_set():
             if entry.process is None and entry.last_exit in CONFIG_EXITS:
                 raise HouseError(f"{name} refuses its settings (exit {entry.last_exit}){self._last_words(name)}")
             if entry.restarts >= 4:
@@ -284,6 +285,8 @@ class Stack:
                 entry.ever_ready = True
                 return
             time.sleep(0.03)
+        if self.stop_requested.is_set():
+            raise HouseError("stopped before it was ready", 130)
         raise HouseError(f"{name} does not become ready{self._last_words(name)}")
 
     def _stop_tier(self, entries: list[Running]) -> None:

