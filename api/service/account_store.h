@@ -1,0 +1,111 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+
+namespace diaphane::api {
+
+using Time = std::chrono::system_clock::time_point;
+
+struct Mail {
+  std::string recipient;
+  std::string subject;
+  std::string body;  ///< plain text, UTF-8, lines ended by \n
+};
+
+struct SignUp {
+  std::string user_id;
+  std::string email;
+  std::string email_key;
+  std::string password_hash;
+  std::string token_hash;  ///< secrets.h, blake2b
+  Time token_expires_at;
+  Mail welcome;        ///< with the link
+  Mail already_there;  ///< for an address that has a verified account
+};
+
+struct Account {
+  std::string id;
+  std::string email;
+  std::string password_hash;
+  bool verified = false;
+};
+
+struct WebSession {
+  std::string token_hash;
+  std::string user_id;
+  std::string csrf_token;
+  Time created_at;
+  Time expires_at;
+};
+
+struct SignedIn {
+  WebSession session;
+  std::string email;
+};
+
+struct Quota {
+  std::int64_t bytes = 0;
+  std::int64_t used = 0;
+};
+
+/// At most `count` attempts under `key` in `window`.
+struct AttemptLimit {
+  std::string key_hash;  ///< secrets.h, blake2b
+  int count = 0;
+  std::chrono::seconds window{0};
+};
+
+/// Accounts as they are kept. Every function: kUnavailable when the database is away. Each is one
+/// transaction. `now` comes from the caller's Clock.
+class AccountStore {
+ public:
+  virtual ~AccountStore() = default;
+
+  /// A new address: account, token and welcome mail. An unverified one: the new password and token
+  /// replace the old. A verified one: only the mail that says so.
+  virtual Result<void> sign_up(const SignUp& sign_up, Time now) = 0;
+  /// False when the token is unknown, used or expired.
+  virtual Result<bool> verify(const std::string& token_hash, Time now) = 0;
+  virtual Result<std::optional<Account>> find_by_email(const std::string& email_key) = 0;
+
+  virtual Result<void> open_session(const WebSession& session) = 0;
+  virtual Result<std::optional<SignedIn>> find_session(const std::string& token_hash, Time now) = 0;
+  virtual Result<void> extend_session(const std::string& token_hash, Time expires_at) = 0;
+  virtual Result<void> close_session(const std::string& token_hash) = 0;
+
+  virtual Result<Quota> quota_of(const std::string& user_id) = 0;
+
+  /// Notes an attempt under every key, unless one is at its limit: then nothing is noted, and the
+  /// answer is how long until that one has room.
+  virtual Result<std::optional<std::chrono::seconds>> note_attempt(
+      const std::vector<AttemptLimit>& limits, Time now) = 0;
+  /// Forgets all attempts under the key, or only the one noted at `at`.
+  virtual Result<void> forget_attempts(const std::string& key_hash, std::optional<Time> at) = 0;
+
+  /// Removes what time has made useless: old attempts, sessions, tokens, keys, accounts never
+  /// verified.
+  virtual Result<void> tidy(Time now) = 0;
+};
+
+/// The queue of outgoing mail.
+class MailStore {
+ public:
+  struct Queued {
+    std::int64_t id = 0;
+    int attempts = 0;
+    Mail mail;
+  };
+  virtual ~MailStore() = default;
+  /// The next mail that is due, hidden from everybody else for `lease`.
+  virtual Result<std::optional<Queued>> claim_mail(Time now, std::chrono::seconds lease) = 0;
+  virtual Result<void> mail_sent(std::int64_t id) = 0;
+  virtual Result<void> mail_failed(std::int64_t id, Time not_before) = 0;
+};
+
+}  // namespace diaphane::api

@@ -1,0 +1,171 @@
+#include "api/service/accounts.h"
+
+#include <algorithm>
+
+#include "api/service/secrets.h"
+#include "common/ids.h"
+
+namespace diaphane::api {
+namespace {
+
+std::string attempt_key(std::string_view what, std::string_view whose) {
+  return blake2b(std::string(what) + ":" + std::string(whose));
+}
+
+tl::unexpected<Problem> too_many(std::chrono::seconds wait) {
+  const auto minutes = std::chrono::ceil<std::chrono::minutes>(wait).count();
+  return refuse(ProblemKind::kTooManyAttempts,
+                "Too many attempts. Try again in " + std::to_string(std::max<long>(minutes, 1)) +
+                    (minutes > 1 ? " minutes." : " minute."),
+                std::max(wait, std::chrono::seconds(1)));
+}
+
+Mail welcome_mail(const std::string& email, const std::string& public_url,
+                  const std::string& token) {
+  return {email, "Confirm your address for Diaphane",
+          "Somebody, most likely you, signed up for Diaphane with this address.\n\n"
+          "Open this link within two days to confirm it:\n\n" +
+              public_url + "/verify#token=" + token +
+              "\n\nIf it was not you, do nothing: without the link the account is of no use.\n"};
+}
+
+Mail already_there_mail(const std::string& email, const std::string& public_url) {
+  return {
+      email, "You have a Diaphane account already",
+      "Somebody, most likely you, tried to sign up for Diaphane with this address, which has an "
+      "account already.\nNothing was changed. You can sign in here:\n\n" +
+          public_url + "/\n\nIf it was not you, do nothing.\n"};
+}
+
+}  // namespace
+
+Accounts::Accounts(AccountStore& store, PasswordHasher& hasher, const Clock& clock, Options options)
+    : store_(store), hasher_(hasher), clock_(clock), options_(std::move(options)) {}
+
+Outcome<void> Accounts::sign_up(const std::string& email, const std::string& password,
+                                const std::string& address) {
+  if (!is_email(email)) return refuse_field("email", "This is not an e-mail address.");
+  if (auto fault = fault_of_password(password, email)) return refuse_field("password", *fault);
+
+  const auto now = clock_.wall();
+  const std::string key = email_key(email);
+  const auto wait = store_.note_attempt(
+      {{attempt_key("sign-up-address", address), options_.sign_ups_by_address, options_.window}},
+      now);
+  if (!wait) return refuse(wait.error());
+  if (*wait) return too_many(**wait);
+
+  // Hashed before it is known whether the address is new, so that time does not tell.
+  auto hash = hasher_.hash(password);
+  if (!hash) return refuse(hash.error());
+
+  // Nobody's letter box is filled by strangers. Said to nobody: the mails that went out are enough.
+  const auto full = store_.note_attempt(
+      {{attempt_key("mail", key), options_.mails_by_recipient, options_.window}}, now);
+  if (!full) return refuse(full.error());
+  if (*full) return {};
+
+  const std::string token = random_hex(32);
+  const SignUp sign_up{new_id(),
+                       email,
+                       key,
+                       *std::move(hash),
+                       blake2b(token),
+                       now + options_.link_life,
+                       welcome_mail(email, options_.public_url, token),
+                       already_there_mail(email, options_.public_url)};
+  const auto done = store_.sign_up(sign_up, now);
+  if (!done) return refuse(done.error());
+  wake_mailer_();
+  return {};
+}
+
+Outcome<void> Accounts::verify(const std::string& token) {
+  if (!is_token(token)) return refuse_field("token", "This is not the token of a link.");
+  const auto known = store_.verify(blake2b(token), clock_.wall());
+  if (!known) return refuse(known.error());
+  if (!*known) {
+    return refuse(ProblemKind::kLinkExpired,
+                  "This link was used already or is too old. Sign in, or sign up again.");
+  }
+  return {};
+}
+
+Outcome<Accounts::Opened> Accounts::sign_in(const std::string& email, const std::string& password,
+                                            const std::string& address) {
+  const auto now = clock_.wall();
+  const std::string key = email_key(email);
+  const std::string by_account = attempt_key("account", key);
+  const std::string by_address = attempt_key("address", address);
+  // Noted before the password is looked at, so that attempts side by side cannot pass the limit
+  // together.
+  const auto wait =
+      store_.note_attempt({{by_account, options_.failures_by_account, options_.window},
+                           {by_address, options_.failures_by_address, options_.window}},
+                          now);
+  if (!wait) return refuse(wait.error());
+  if (*wait) return too_many(**wait);
+
+  const auto account = store_.find_by_email(key);
+  if (!account) return refuse(account.error());
+  const auto right = *account ? hasher_.verify(password, (*account)->password_hash)
+                              : hasher_.verify_nothing(password);
+  if (!right) return refuse(right.error());
+  if (!*right) {
+    return refuse(ProblemKind::kWrongCredentials, "The address or the password is wrong.");
+  }
+  // The right password: not an attempt to guess it. The address keeps its other failures, or an
+  // attacker would clear them with an account of his own.
+  if (auto done = store_.forget_attempts(by_account, std::nullopt); !done) {
+    return refuse(done.error());
+  }
+  if (auto done = store_.forget_attempts(by_address, now); !done) return refuse(done.error());
+  if (!(*account)->verified) {
+    return refuse(ProblemKind::kUnverified,
+                  "Confirm your address first: open the link in the mail. "
+                  "If there is none, sign up again.");
+  }
+
+  Opened opened;
+  opened.token = random_hex(32);
+  const WebSession session{blake2b(opened.token), (*account)->id, random_hex(32), now,
+                           now + options_.session_life};
+  if (auto done = store_.open_session(session); !done) return refuse(done.error());
+  opened.principal = {session.user_id, false, (*account)->email, session.csrf_token, false};
+  return opened;
+}
+
+Outcome<void> Accounts::sign_out(const std::string& token) {
+  const auto done = store_.close_session(blake2b(token));
+  if (!done) return refuse(done.error());
+  return {};
+}
+
+Outcome<Principal> Accounts::authenticate(const std::string& token) {
+  const auto refused = [] { return refuse(ProblemKind::kUnauthenticated, "Sign in first."); };
+  if (!is_token(token)) return refused();
+  const auto now = clock_.wall();
+  const std::string hash = blake2b(token);
+  const auto found = store_.find_session(hash, now);
+  if (!found) return refuse(found.error());
+  if (!*found) return refused();
+  const WebSession& session = (*found)->session;
+  Principal principal{session.user_id, false, (*found)->email, session.csrf_token, false};
+
+  // Slides only once a tenth of its life has gone: not a write for each request.
+  const Time wanted =
+      std::min(now + options_.session_life, session.created_at + options_.session_limit);
+  if (wanted - session.expires_at > options_.session_life / 10) {
+    if (auto done = store_.extend_session(hash, wanted); !done) return refuse(done.error());
+    principal.renewed = true;
+  }
+  return principal;
+}
+
+Outcome<Quota> Accounts::quota_of(const std::string& user_id) {
+  auto quota = store_.quota_of(user_id);
+  if (!quota) return refuse(quota.error());
+  return *quota;
+}
+
+}  // namespace diaphane::api

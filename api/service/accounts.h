@@ -1,0 +1,72 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "api/service/account_store.h"
+#include "api/service/password.h"
+#include "api/service/problem.h"
+#include "common/clock.h"
+
+namespace diaphane::api {
+
+/// Who asks. Exactly one of the two.
+struct Principal {
+  std::string user_id;  ///< empty for the sample's operator
+  bool sample_operator = false;
+  std::string email;
+  std::string csrf_token;  ///< of the web session
+  bool renewed = false;    ///< the session was extended: give the cookie its new age
+};
+
+/// Signing up, in and out. Thread-safe.
+class Accounts {
+ public:
+  struct Options {
+    std::string public_url;  ///< origin, for links in mails: "http://127.0.0.1:8080"
+    std::chrono::seconds link_life = std::chrono::hours(48);
+    std::chrono::seconds session_life = std::chrono::hours(24 * 14);   ///< without use
+    std::chrono::seconds session_limit = std::chrono::hours(24 * 90);  ///< in all
+    std::chrono::seconds window = std::chrono::minutes(15);
+    int failures_by_account = 10;  ///< in `window`
+    int failures_by_address = 50;  ///< in `window`
+    int sign_ups_by_address = 30;  ///< in `window`
+    int mails_by_recipient = 4;    ///< in `window`
+  };
+
+  struct Opened {
+    std::string token;  ///< for the cookie; not kept anywhere here
+    Principal principal;
+  };
+
+  Accounts(AccountStore& store, PasswordHasher& hasher, const Clock& clock, Options options);
+
+  /// kInvalid for what can be said without knowing any account; else success, whoever has an
+  /// account. `address` is the peer's, for the limit.
+  Outcome<void> sign_up(const std::string& email, const std::string& password,
+                        const std::string& address);
+  /// kLinkExpired when the token is unknown, used or too old.
+  Outcome<void> verify(const std::string& token);
+  /// kWrongCredentials, kUnverified, kTooManyAttempts.
+  Outcome<Opened> sign_in(const std::string& email, const std::string& password,
+                          const std::string& address);
+  Outcome<void> sign_out(const std::string& token);
+  /// kUnauthenticated for a cookie that is forged, unknown or expired. Slides the expiry.
+  Outcome<Principal> authenticate(const std::string& token);
+  Outcome<Quota> quota_of(const std::string& user_id);
+
+  std::chrono::seconds session_life() const { return options_.session_life; }
+  /// Called after a mail was queued, so that it need not wait for the next look at the queue.
+  void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
+
+ private:
+  AccountStore& store_;
+  PasswordHasher& hasher_;
+  const Clock& clock_;
+  Options options_;
+  std::function<void()> wake_mailer_ = [] {};
+};
+
+}  // namespace diaphane::api

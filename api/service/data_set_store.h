@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "api/service/account_store.h"
+#include "api/service/cursor.h"
+#include "common/result.h"
+
+namespace diaphane::api {
+
+/// Whose data set: a person's, or (empty) the sample's, which belongs to nobody.
+struct Owner {
+  std::string user_id;
+};
+
+/// The states of migrations/0002. Text on the wire, and in the database, is the same.
+enum class DataSetState { kUploading, kQueued, kBuilding, kReady, kRefused, kExpired };
+std::string_view to_string(DataSetState state);
+DataSetState data_set_state_of(std::string_view text);
+
+/// An upload has the id of its data set.
+struct Upload {
+  std::string id;
+  std::int64_t length = 0;    ///< bytes
+  std::int64_t received = 0;  ///< bytes
+  Time expires_at;
+  DataSetState state = DataSetState::kUploading;
+};
+
+struct DataSet {
+  std::string id;
+  std::string title;
+  DataSetState state = DataSetState::kUploading;
+  bool owned = false;  ///< by the one who asked
+  bool is_public = false;
+  bool is_sample = false;
+  std::string refusal_code, refusal_text;  ///< state kRefused
+  // State kReady:
+  std::string modality;
+  std::array<int, 3> size{};
+  std::array<double, 3> spacing{};  ///< mm
+  std::int64_t volume_bytes = 0;
+  std::vector<std::string> repairs;
+  std::optional<Upload> upload;  ///< state kUploading, and owned
+  Time created_at;               ///< exact to the microsecond
+  Time updated_at;
+};
+
+struct NewDataSet {
+  std::string id;
+  Owner owner;
+  std::string title;
+  std::int64_t bytes = 0;
+  Time expires_at;
+};
+
+struct IdempotencyKey {
+  std::string route;
+  std::string key;
+  std::string request_hash;  ///< secrets.h, blake2b
+};
+
+struct Created {
+  std::string id;  ///< with `again`, of the one that the same key made before
+  bool again = false;
+};
+struct OverQuota {
+  Quota quota;
+};
+struct KeyReused {};  ///< the key came before with another request
+
+/// What is to be removed from disk.
+struct Disposal {
+  enum class Kind { kUpload, kVolume } kind = Kind::kUpload;
+  std::string id;
+};
+
+/// Data sets, their uploads and what is to be disposed of. Every function: kUnavailable when the
+/// database is away. Each is one transaction; nothing of somebody else's is ever found.
+class DataSetStore {
+ public:
+  virtual ~DataSetStore() = default;
+
+  virtual Result<std::variant<Created, OverQuota, KeyReused>> create(
+      const NewDataSet& data_set, const std::optional<IdempotencyKey>& key, Time now) = 0;
+  /// Own ones in any state, and public ones that are ready; newest first, after `after`.
+  virtual Result<std::vector<DataSet>> list(const Owner& viewer, std::optional<Cursor> after,
+                                            int limit) = 0;
+  /// One that `list` could give; else kNotFound.
+  virtual Result<DataSet> find(const Owner& viewer, const std::string& id) = 0;
+  /// Forgets an own one and notes its files for disposal; kNotFound.
+  virtual Result<void> remove(const Owner& owner, const std::string& id, Time now) = 0;
+
+  virtual Result<Upload> find_upload(const Owner& owner, const std::string& id) = 0;
+  /// From `from` to `to` bytes; at the full length the data set is queued and ingestd notified.
+  /// kConflict when it does not stand at `from` in state uploading any more.
+  virtual Result<void> advance_upload(const std::string& id, std::int64_t from, std::int64_t to,
+                                      Time expires_at, Time now) = 0;
+  /// Forgets an own data set while it is uploading. kNotFound; kConflict when it is past that.
+  virtual Result<void> cancel_upload(const Owner& owner, const std::string& id, Time now) = 0;
+  /// Marks what was left for too long and notes its file for disposal; how many.
+  virtual Result<int> expire_uploads(Time now) = 0;
+
+  virtual Result<std::vector<Disposal>> disposals(int limit) = 0;
+  virtual Result<void> disposed(const Disposal& disposal) = 0;
+};
+
+}  // namespace diaphane::api

@@ -1,0 +1,141 @@
+#include "api/service/data_sets.h"
+
+#include <array>
+#include <utility>
+
+#include "api/service/secrets.h"
+#include "common/ids.h"
+#include "common/log.h"
+
+namespace diaphane::api {
+namespace {
+
+constexpr std::array<std::pair<DataSetState, std::string_view>, 6> kStates{{
+    {DataSetState::kUploading, "uploading"},
+    {DataSetState::kQueued, "queued"},
+    {DataSetState::kBuilding, "building"},
+    {DataSetState::kReady, "ready"},
+    {DataSetState::kRefused, "refused"},
+    {DataSetState::kExpired, "expired"},
+}};
+
+/// Kept free beside what is announced, for the volume that is built of it and for the database.
+constexpr std::int64_t kReserveBytes = std::int64_t{1} << 30;
+
+tl::unexpected<Problem> not_found() {
+  return refuse(ProblemKind::kNotFound, "There is no such data set.");
+}
+
+std::string in_megabytes(std::int64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
+
+}  // namespace
+
+std::string_view to_string(DataSetState state) {
+  for (const auto& [value, text] : kStates) {
+    if (value == state) return text;
+  }
+  return "expired";
+}
+
+DataSetState data_set_state_of(std::string_view text) {
+  for (const auto& [value, name] : kStates) {
+    if (name == text) return value;
+  }
+  return DataSetState::kExpired;
+}
+
+DataSets::DataSets(DataSetStore& store, Placement& placement, const Clock& clock, Options options,
+                   std::function<std::int64_t()> free_bytes)
+    : store_(store),
+      placement_(placement),
+      clock_(clock),
+      options_(options),
+      free_bytes_(std::move(free_bytes)) {}
+
+Outcome<DataSet> DataSets::announce(const Principal& who, const Announcement& announcement) {
+  if (announcement.bytes > options_.max_upload_bytes) {
+    return refuse(ProblemKind::kUploadTooLarge,
+                  "An upload has at most " + in_megabytes(options_.max_upload_bytes) + ".");
+  }
+  if (free_bytes_() < announcement.bytes + kReserveBytes) {
+    return refuse(ProblemKind::kUnavailable, "There is no room on the server's disk just now.",
+                  std::chrono::minutes(10));
+  }
+  const auto now = clock_.wall();
+  const Owner owner{who.user_id};
+  std::optional<IdempotencyKey> key;
+  if (!announcement.idempotency_key.empty() && !who.sample_operator) {
+    key = IdempotencyKey{"createDataSet", announcement.idempotency_key,
+                         blake2b(std::to_string(announcement.bytes) + "\n" + announcement.title)};
+  }
+  const auto made = store_.create(
+      {new_id(), owner, announcement.title, announcement.bytes, now + options_.upload_life}, key,
+      now);
+  if (!made) return refuse(made.error());
+  if (const auto* over = std::get_if<OverQuota>(&*made)) {
+    return refuse(ProblemKind::kOverQuota, "This scan has " + in_megabytes(announcement.bytes) +
+                                               "; of your " + in_megabytes(over->quota.bytes) +
+                                               " there are " + in_megabytes(over->quota.used) +
+                                               " in use. Delete something first.");
+  }
+  if (std::holds_alternative<KeyReused>(*made)) {
+    return refuse(ProblemKind::kIdempotencyKeyReused,
+                  "This Idempotency-Key came before with another request.");
+  }
+  auto found = store_.find(owner, std::get<Created>(*made).id);
+  if (!found && found.error().code == ErrorCode::kNotFound) {
+    return refuse(ProblemKind::kConflict, "What this key made has been deleted since.");
+  }
+  if (!found) return refuse(found.error());
+  return *std::move(found);
+}
+
+Outcome<DataSets::Page> DataSets::list(const Principal& who, std::optional<Cursor> after,
+                                       int limit) {
+  // One more than asked for says whether there is a next page.
+  auto found = store_.list({who.user_id}, std::move(after), limit + 1);
+  if (!found) return refuse(found.error());
+  Page page{*std::move(found), std::nullopt};
+  if (static_cast<int>(page.items.size()) > limit) {
+    page.items.pop_back();
+    const DataSet& last = page.items.back();
+    page.next = Cursor{
+        std::chrono::duration_cast<std::chrono::microseconds>(last.created_at.time_since_epoch())
+            .count(),
+        last.id};
+  }
+  return page;
+}
+
+Outcome<DataSet> DataSets::find(const Principal& who, const std::string& id) {
+  if (!is_id(id)) return not_found();
+  auto found = store_.find({who.user_id}, id);
+  if (!found && found.error().code == ErrorCode::kNotFound) return not_found();
+  if (!found) return refuse(found.error());
+  return *std::move(found);
+}
+
+Outcome<DataSet> DataSets::find_ready(const Principal& who, const std::string& id) {
+  auto found = find(who, id);
+  if (found && found->state != DataSetState::kReady) {
+    return refuse(ProblemKind::kNotReady, "This data set is not ready: it is " +
+                                              std::string(to_string(found->state)) + ".");
+  }
+  return found;
+}
+
+Outcome<void> DataSets::remove(const Principal& who, const std::string& id) {
+  if (!is_id(id)) return not_found();
+  const auto done = store_.remove({who.user_id}, id, clock_.wall());
+  if (!done && done.error().code == ErrorCode::kNotFound) return not_found();
+  if (!done) return refuse(done.error());
+  wake_();
+  // The rows have gone, so nobody can open it any more; sessions that look at it are ended as far
+  // as can be.
+  if (const auto ended = placement_.end_all_of(id); !ended) {
+    log::warning("sessions of a deleted data set not ended", {{"data_set", id}});
+  }
+  return {};
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,78 @@
+#include "api/service/sessions.h"
+
+#include "api/service/secrets.h"
+#include "common/ids.h"
+
+namespace diaphane::api {
+namespace {
+
+tl::unexpected<Problem> no_such_session() {
+  return refuse(ProblemKind::kNotFound, "There is no such session.");
+}
+
+}  // namespace
+
+Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::string& session_id,
+                                          const std::string& data_set_id) {
+  const auto placed = placement_.place({session_id, who.user_id, data_set_id});
+  if (placed) return Stream{session_id, "/stream?ticket=" + placed->ticket};
+  switch (placed.error().code) {
+    case ErrorCode::kNotFound:
+      return no_such_session();
+    case ErrorCode::kUnavailable:
+      return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));
+    default:
+      return refuse(placed.error());
+  }
+}
+
+Outcome<Sessions::Stream> Sessions::open(const Principal& who, const std::string& data_set_id,
+                                         const std::string& idempotency_key) {
+  const auto data_set = data_sets_.find_ready(who, data_set_id);
+  if (!data_set) return tl::unexpected(data_set.error());
+  if (idempotency_key.empty()) return place(who, new_id(), data_set_id);
+
+  // The key makes the session's id, and placing the same id again is idempotent.
+  const std::string id = id_from("session\n" + who.user_id + "\n" + idempotency_key);
+  const auto known = placement_.find(id);
+  if (known && known->data_set_id != data_set_id) {
+    return refuse(ProblemKind::kIdempotencyKeyReused,
+                  "This Idempotency-Key came before with another request.");
+  }
+  if (!known && known.error().code != ErrorCode::kNotFound) return refuse(known.error());
+  return place(who, id, data_set_id);
+}
+
+Outcome<std::vector<SessionInfo>> Sessions::list(const Principal& who) {
+  auto found = placement_.sessions_of(who.user_id);
+  if (!found) return refuse(found.error());
+  return *std::move(found);
+}
+
+Outcome<SessionInfo> Sessions::find(const Principal& who, const std::string& id) {
+  if (!is_id(id)) return no_such_session();
+  auto found = placement_.find(id);
+  if (!found && found.error().code == ErrorCode::kNotFound) return no_such_session();
+  if (!found) return refuse(found.error());
+  if (found->user_id != who.user_id) return no_such_session();
+  return *std::move(found);
+}
+
+Outcome<void> Sessions::end(const Principal& who, const std::string& id) {
+  if (auto found = find(who, id); !found) return tl::unexpected(found.error());
+  if (auto done = placement_.end(id); !done) return refuse(done.error());
+  return {};
+}
+
+Outcome<Sessions::Stream> Sessions::ticket(const Principal& who, const std::string& id) {
+  const auto session = find(who, id);
+  if (!session) return tl::unexpected(session.error());
+  // It may have been deleted, or taken from the public ones, since the session was opened.
+  if (auto data_set = data_sets_.find_ready(who, session->data_set_id); !data_set) {
+    if (data_set.error().kind == ProblemKind::kNotFound) return no_such_session();
+    return tl::unexpected(data_set.error());
+  }
+  return place(who, id, session->data_set_id);
+}
+
+}  // namespace diaphane::api

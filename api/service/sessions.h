@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "api/service/data_sets.h"
+#include "api/service/placement.h"
+#include "api/service/problem.h"
+
+namespace diaphane::api {
+
+/// Render sessions: one viewer looking at one data set. Kept in Redis alone. Thread-safe.
+class Sessions {
+ public:
+  struct Stream {
+    std::string session_id;
+    std::string stream_url;  ///< path and query on the page's origin; works once, within 30 s
+  };
+
+  Sessions(DataSets& data_sets, Placement& placement)
+      : data_sets_(data_sets), placement_(placement) {}
+
+  /// kNotFound, kNotReady (the data set); kNoWorker; kTooMany; kIdempotencyKeyReused.
+  Outcome<Stream> open(const Principal& who, const std::string& data_set_id,
+                       const std::string& idempotency_key);
+  Outcome<std::vector<SessionInfo>> list(const Principal& who);
+  /// kNotFound also for somebody else's.
+  Outcome<SessionInfo> find(const Principal& who, const std::string& id);
+  Outcome<void> end(const Principal& who, const std::string& id);
+  /// A new ticket; the session is placed anew when its worker has gone.
+  Outcome<Stream> ticket(const Principal& who, const std::string& id);
+
+ private:
+  Outcome<Stream> place(const Principal& who, const std::string& session_id,
+                        const std::string& data_set_id);
+
+  DataSets& data_sets_;
+  Placement& placement_;
+};
+
+}  // namespace diaphane::api

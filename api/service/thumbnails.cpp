@@ -1,0 +1,120 @@
+#include "api/service/thumbnails.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+
+#include "common/ids.h"
+#include "common/log.h"
+
+namespace diaphane::api {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 4> kPresets{"skin", "muscle", "vessels", "bone"};
+constexpr auto kPatience = std::chrono::seconds(20);
+
+Result<void> write_whole(const fs::path& path, std::string_view bytes) {
+  const auto broken = [] {
+    return fail(ErrorCode::kUnavailable, "The picture cannot be stored just now.");
+  };
+  std::error_code error;
+  fs::create_directories(path.parent_path(), error);
+  if (error) return broken();
+  // Under a name of its own and renamed: a reader never sees half a picture.
+  const fs::path temporary = path.parent_path() / (".tmp-" + random_hex(8));
+  std::ofstream file(temporary, std::ios::binary);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (file) fs::rename(temporary, path, error);
+  if (!file || error) {
+    fs::remove(temporary, error);
+    return broken();
+  }
+  return {};
+}
+
+}  // namespace
+
+Thumbnails::Thumbnails(DataSets& data_sets, Stills& stills, std::string cache_directory, int slots)
+    : data_sets_(data_sets),
+      stills_(stills),
+      directory_(std::move(cache_directory)),
+      slots_(static_cast<std::size_t>(slots)) {}
+
+Outcome<std::string> Thumbnails::get(const Principal& who, const std::string& data_set_id,
+                                     const std::string& preset) {
+  if (std::find(kPresets.begin(), kPresets.end(), preset) == kPresets.end()) {
+    return refuse(ProblemKind::kNotFound, "There is no such preset.");
+  }
+  const auto data_set = data_sets_.find_ready(who, data_set_id);
+  if (!data_set) return tl::unexpected(data_set.error());
+  const std::string path = "thumbnails/" + data_set_id + "/" + preset + ".jpg";
+
+  {
+    std::unique_lock lock(mutex_);
+    // The same picture is rendered once for all who wait for it.
+    if (!done_.wait_for(lock, kPatience, [&] { return !rendering_.contains(path); })) {
+      return refuse(ProblemKind::kBusy, "The picture is still being made.",
+                    std::chrono::seconds(2));
+    }
+    std::error_code error;
+    if (fs::exists(directory_ + "/" + path, error)) return path;
+    if (rendering_.size() >= slots_) {
+      return refuse(ProblemKind::kBusy, "Other pictures are being made; come again shortly.",
+                    std::chrono::seconds(1));
+    }
+    rendering_.insert(path);
+  }
+  auto rendered = [&]() -> Outcome<void> {
+    try {
+      return render(data_set_id, preset, path);
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      rendering_.erase(path);
+      done_.notify_all();
+      throw;
+    }
+  }();
+  {
+    const std::lock_guard lock(mutex_);
+    rendering_.erase(path);
+  }
+  done_.notify_all();
+  if (!rendered) return tl::unexpected(rendered.error());
+
+  // Deleted while it was rendered: the disposal may have been carried out before the file was
+  // there.
+  if (auto still = data_sets_.find(who, data_set_id); !still) {
+    (void)remove(data_set_id);
+    return tl::unexpected(still.error());
+  }
+  return path;
+}
+
+Outcome<void> Thumbnails::render(const std::string& data_set_id, const std::string& preset,
+                                 const std::string& path) {
+  StillRequest request;
+  request.data_set_id = data_set_id;
+  request.preset = preset;
+  const auto jpeg = stills_.render(request);
+  if (!jpeg && jpeg.error().code == ErrorCode::kUnavailable) {
+    return refuse(ProblemKind::kNoWorker, jpeg.error().message, std::chrono::seconds(2));
+  }
+  if (!jpeg) return refuse(jpeg.error());
+  if (auto done = write_whole(directory_ + "/" + path, *jpeg); !done) return refuse(done.error());
+  return {};
+}
+
+Result<void> Thumbnails::remove(const std::string& data_set_id) {
+  std::error_code error;
+  fs::remove_all(directory_ + "/thumbnails/" + data_set_id, error);
+  if (error) return fail(ErrorCode::kUnavailable, "thumbnails cannot be removed");
+  return {};
+}
+
+}  // namespace diaphane::api

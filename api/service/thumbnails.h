@@ -1,0 +1,42 @@
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "api/service/data_sets.h"
+#include "api/service/placement.h"
+#include "api/service/problem.h"
+
+namespace diaphane::api {
+
+/// Small pictures of ready data sets, rendered by a worker once and kept in
+/// `<cache directory>/thumbnails/<data set>/<preset>.jpg`. Thread-safe.
+class Thumbnails {
+ public:
+  /// At most `slots` are rendered at once; whoever comes besides is told to come again.
+  Thumbnails(DataSets& data_sets, Stills& stills, std::string cache_directory, int slots = 2);
+
+  /// The file's path below the cache directory. kNotFound (also an unknown preset), kNotReady,
+  /// kNoWorker, kBusy.
+  Outcome<std::string> get(const Principal& who, const std::string& data_set_id,
+                           const std::string& preset);
+  /// Forgets all pictures of a data set.
+  Result<void> remove(const std::string& data_set_id);
+
+ private:
+  Outcome<void> render(const std::string& data_set_id, const std::string& preset,
+                       const std::string& path);
+
+  DataSets& data_sets_;
+  Stills& stills_;
+  const std::string directory_;
+  const std::size_t slots_;
+  std::mutex mutex_;
+  std::condition_variable done_;
+  std::set<std::string> rendering_;  ///< paths
+};
+
+}  // namespace diaphane::api

@@ -1,0 +1,157 @@
+#include "api/service/uploads.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "common/ids.h"
+#include "common/log.h"
+
+namespace diaphane::api {
+namespace {
+
+tl::unexpected<Problem> no_such_upload() {
+  return refuse(ProblemKind::kNotFound, "There is no such upload.");
+}
+
+tl::unexpected<Problem> expired() {
+  return refuse(ProblemKind::kUploadExpired,
+                "This upload was left for too long and has expired; start it anew.");
+}
+
+}  // namespace
+
+UploadFiles::Open::~Open() {
+  if (fd_ >= 0) ::close(fd_);  // gives the lock back
+}
+
+Result<void> UploadFiles::Open::write(std::int64_t offset, std::string_view bytes) {
+  const auto broken = [] {
+    return fail(ErrorCode::kUnavailable, "The server's disk took no more; try again later.");
+  };
+  while (!bytes.empty()) {
+    const ssize_t written = ::pwrite(fd_, bytes.data(), bytes.size(), offset);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) {
+      log::error("upload part not written", {{"errno", errno}});
+      return broken();
+    }
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+    offset += written;
+  }
+  // What is noted as received must outlive a loss of power: the browser forgets it.
+  if (::fdatasync(fd_) != 0) return broken();
+  return {};
+}
+
+Result<UploadFiles::Open> UploadFiles::open(const std::string& id, bool create) {
+  const int flags = O_WRONLY | O_CLOEXEC | O_NOFOLLOW | (create ? O_CREAT : 0);
+  const int fd = ::open(path_of(id).c_str(), flags, 0640);
+  if (fd < 0) {
+    log::error("upload file not opened", {{"errno", errno}});
+    return fail(ErrorCode::kUnavailable, "The server's disk is away; try again later.");
+  }
+  Open open(fd);
+  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+    return fail(ErrorCode::kConflict, "Another part of this upload is being written.");
+  }
+  return open;
+}
+
+Result<void> UploadFiles::remove(const std::string& id) {
+  if (::unlink(path_of(id).c_str()) != 0 && errno != ENOENT) {
+    return fail(ErrorCode::kUnavailable, "the upload file cannot be removed");
+  }
+  return {};
+}
+
+std::int64_t UploadFiles::free_bytes() const {
+  struct statvfs info {};
+  if (::statvfs(directory_.c_str(), &info) != 0) return 0;
+  return static_cast<std::int64_t>(info.f_bavail) * static_cast<std::int64_t>(info.f_frsize);
+}
+
+Uploads::Uploads(DataSetStore& store, UploadFiles& files, const Clock& clock,
+                 std::chrono::seconds upload_life)
+    : store_(store), files_(files), clock_(clock), upload_life_(upload_life) {}
+
+Outcome<Upload> Uploads::find(const Principal& who, const std::string& id) {
+  if (!is_id(id)) return no_such_upload();
+  auto found = store_.find_upload({who.user_id}, id);
+  if (!found && found.error().code == ErrorCode::kNotFound) return no_such_upload();
+  if (!found) return refuse(found.error());
+  const bool late = found->state == DataSetState::kUploading && found->expires_at <= clock_.wall();
+  if (late || found->state == DataSetState::kExpired) return expired();
+  return *std::move(found);
+}
+
+Outcome<tus::Part> Uploads::plan(const Upload& upload, const tus::PartRequest& request) const {
+  return tus::plan_part(
+      {upload.length, upload.received, upload.state != DataSetState::kUploading, false}, request);
+}
+
+Outcome<Upload> Uploads::append(const Principal& who, const std::string& id,
+                                std::string_view offset, std::string_view checksum,
+                                std::string_view bytes) {
+  const tus::PartRequest request{offset, checksum, static_cast<std::int64_t>(bytes.size())};
+  auto upload = find(who, id);
+  if (!upload) return upload;
+  auto part = plan(*upload, request);
+  if (!part) return tl::unexpected(part.error());
+  if (part->checksum && !tus::fits(*part->checksum, bytes)) {
+    return refuse(ProblemKind::kChecksumMismatch,
+                  "The part arrived damaged and was thrown away; send it again.");
+  }
+  if (bytes.empty()) return upload;
+
+  auto file = files_.open(id, upload->received == 0);
+  if (!file && file.error().code == ErrorCode::kConflict) {
+    return refuse(ProblemKind::kLocked, file.error().message, std::chrono::seconds(1));
+  }
+  if (!file) return refuse(file.error());
+  // Again under the file's lock: another part may have been noted in between.
+  upload = find(who, id);
+  if (!upload) {
+    (void)files_.remove(id);
+    return upload;
+  }
+  part = plan(*upload, request);
+  if (!part) return tl::unexpected(part.error());
+  if (auto done = file->write(part->offset, bytes); !done) return refuse(done.error());
+
+  const auto now = clock_.wall();
+  upload->expires_at = now + upload_life_;
+  const std::int64_t reached = part->offset + request.bytes;
+  const auto noted = store_.advance_upload(id, part->offset, reached, upload->expires_at, now);
+  if (!noted && noted.error().code == ErrorCode::kConflict) {
+    // Deleted or expired meanwhile: its file may have been disposed of before this part was
+    // written.
+    if (auto still = find(who, id); !still) {
+      (void)files_.remove(id);
+      return still;
+    }
+    return refuse(ProblemKind::kOffsetMismatch, "The upload stands elsewhere by now.");
+  }
+  if (!noted) return refuse(noted.error());
+  upload->received = reached;
+  if (part->completes) upload->state = DataSetState::kQueued;
+  return upload;
+}
+
+Outcome<void> Uploads::terminate(const Principal& who, const std::string& id) {
+  if (!is_id(id)) return no_such_upload();
+  const auto done = store_.cancel_upload({who.user_id}, id, clock_.wall());
+  if (!done && done.error().code == ErrorCode::kNotFound) return no_such_upload();
+  if (!done && done.error().code == ErrorCode::kConflict) {
+    return refuse(ProblemKind::kUploadComplete,
+                  "All of it has arrived already; delete the data set instead.");
+  }
+  if (!done) return refuse(done.error());
+  wake_();
+  return {};
+}
+
+}  // namespace diaphane::api
