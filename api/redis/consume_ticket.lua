@@ -1,0 +1,36 @@
+-- Use a ticket up, whatever follows, and tell the gateway where its session is (docs/contracts.md, "Redis").
+--
+-- ARGV: ticket, reservation ms, session s
+-- Returns {"attach", session, user, data set, worker, address, incarnation, placement, scene, input seq, width,
+-- height}, or {why}: "unknown" (ticket), "gone" (session), "worker_lost" (ask for a new ticket).
+
+local ticket_key = 'diaphane:ticket:' .. ARGV[1]
+local ticket = redis.call('HMGET', ticket_key, 'session', 'user')
+redis.call('DEL', ticket_key)
+if not ticket[1] then return {'unknown'} end
+
+local session = ticket[1]
+local session_key = 'diaphane:session:' .. session
+local s = redis.call('HMGET', session_key, 'user', 'data_set', 'worker', 'incarnation', 'placement', 'scene',
+                     'input_seq', 'width', 'height')
+if not s[1] or s[1] ~= ticket[2] then return {'gone'} end
+
+local worker = s[3]
+local w = redis.call('HMGET', 'diaphane:worker:' .. worker, 'address', 'incarnation', 'slots')
+if not w[1] or w[2] ~= s[4] then return {'worker_lost'} end
+
+-- A ticket lives longer than a reservation: its slot may have gone to somebody else meanwhile.
+local time = redis.call('TIME')
+local now = tonumber(time[1]) * 1000 + math.floor(tonumber(time[2]) / 1000)
+local entries = 'diaphane:worker:' .. worker .. ':sessions'
+redis.call('ZREMRANGEBYSCORE', entries, '-inf', now)
+local entry = redis.call('ZSCORE', entries, session)
+if not entry and redis.call('ZCARD', entries) >= tonumber(w[3]) then return {'worker_lost'} end
+local until_ms = now + tonumber(ARGV[2])
+if not entry or tonumber(entry) < until_ms then redis.call('ZADD', entries, until_ms, session) end
+redis.call('EXPIRE', entries, 60)
+redis.call('HSET', session_key, 'reserved_until', until_ms)
+redis.call('EXPIRE', session_key, tonumber(ARGV[3]))
+
+return {'attach', session, s[1], s[2], worker, w[1], w[2], s[5] or '0', s[6] or '', s[7] or '0', s[8] or '0',
+        s[9] or '0'}

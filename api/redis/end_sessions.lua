@@ -1,0 +1,22 @@
+-- Forget sessions and give their slots back at once; the workers hear of it with their next heartbeat.
+--
+-- ARGV: "session" or "data_set", id. Returns how many sessions were ended.
+
+local function finish(session)
+  local session_key = 'diaphane:session:' .. session
+  local s = redis.call('HMGET', session_key, 'user', 'data_set', 'worker')
+  if not s[1] then return 0 end
+  redis.call('ZREM', 'diaphane:user:' .. s[1] .. ':sessions', session)
+  redis.call('ZREM', 'diaphane:data_set:' .. s[2] .. ':sessions', session)
+  if s[3] then redis.call('ZREM', 'diaphane:worker:' .. s[3] .. ':sessions', session) end
+  redis.call('DEL', session_key)
+  return 1
+end
+
+if ARGV[1] == 'session' then return finish(ARGV[2]) end
+
+local data_set_key = 'diaphane:data_set:' .. ARGV[2] .. ':sessions'
+local ended = 0
+for _, session in ipairs(redis.call('ZRANGE', data_set_key, 0, -1)) do ended = ended + finish(session) end
+redis.call('DEL', data_set_key)
+return ended

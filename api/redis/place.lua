@@ -1,0 +1,124 @@
+-- Place a session on a worker and give a ticket for it, in one round trip (docs/contracts.md, "Redis").
+--
+-- ARGV: session, user, data set, ticket, protocol epoch, reservation ms, ticket s, session s,
+--       most placed sessions of a person, most remembered sessions of a person
+-- Returns {"placed", worker, placement}, or {why}: "not_yours", "too_many", "no_worker", "full".
+-- Nothing is written unless it is placed. The keys of workers are not known beforehand, so none are declared:
+-- this wants one Redis, not a Redis Cluster.
+
+local session, user, data_set, ticket, epoch = ARGV[1], ARGV[2], ARGV[3], ARGV[4], ARGV[5]
+local reservation_ms, ticket_s, session_s = tonumber(ARGV[6]), tonumber(ARGV[7]), tonumber(ARGV[8])
+local most_placed, most_remembered = tonumber(ARGV[9]), tonumber(ARGV[10])
+
+local time = redis.call('TIME')
+local now = tonumber(time[1]) * 1000 + math.floor(tonumber(time[2]) / 1000)
+local session_key = 'diaphane:session:' .. session
+local user_key = 'diaphane:user:' .. user .. ':sessions'
+local data_set_key = 'diaphane:data_set:' .. data_set .. ':sessions'
+
+local function entries_of(worker) return 'diaphane:worker:' .. worker .. ':sessions' end
+
+-- Is a slot of `worker` still kept for `id`?
+local function is_kept(worker, id)
+  local expiry = redis.call('ZSCORE', entries_of(worker), id)
+  return expiry and tonumber(expiry) > now
+end
+
+local known = redis.call('HMGET', session_key, 'user', 'data_set', 'worker', 'incarnation', 'placement')
+if known[1] and (known[1] ~= user or known[2] ~= data_set) then return {'not_yours'} end
+local old_worker = known[3]
+
+-- A worker as this script needs it, or nothing when it can take no session.
+local function usable(worker)
+  local w = redis.call('HMGET', 'diaphane:worker:' .. worker,
+                       'incarnation', 'epoch', 'draining', 'slots', 'load', 'volumes')
+  if not w[1] then
+    redis.call('SREM', 'diaphane:workers', worker)
+    return nil
+  end
+  if w[2] ~= epoch or w[3] == '1' then return nil end
+  return {id = worker, incarnation = w[1], slots = tonumber(w[4]) or 0, load = tonumber(w[5]) or 0,
+          volumes = ',' .. (w[6] or '') .. ','}
+end
+
+local function better(a, b)
+  if a.has_volume ~= b.has_volume then return a.has_volume end
+  if a.share ~= b.share then return a.share < b.share end
+  if a.load ~= b.load then return a.load < b.load end
+  return a.id < b.id
+end
+
+local chosen, placement
+if old_worker then
+  local w = usable(old_worker)
+  if w and w.incarnation == known[4] and is_kept(old_worker, session) then
+    chosen, placement = w, tonumber(known[5])
+  end
+end
+
+if not chosen then
+  -- The person's other sessions: which still hold a slot, and which of the rest is the oldest.
+  local placed, remembered, oldest_unplaced = 0, 0, nil
+  for _, other in ipairs(redis.call('ZRANGE', user_key, 0, -1)) do
+    if other ~= session then
+      local worker = redis.call('HGET', 'diaphane:session:' .. other, 'worker')
+      if not worker then
+        redis.call('ZREM', user_key, other)
+      else
+        remembered = remembered + 1
+        if is_kept(worker, other) then
+          placed = placed + 1
+        else
+          oldest_unplaced = oldest_unplaced or other
+        end
+      end
+    end
+  end
+  if placed >= most_placed then return {'too_many'} end
+
+  local seen = false
+  for _, worker in ipairs(redis.call('SMEMBERS', 'diaphane:workers')) do
+    local w = usable(worker)
+    if w then
+      seen = true
+      redis.call('ZREMRANGEBYSCORE', entries_of(worker), '-inf', now)
+      local used = redis.call('ZCARD', entries_of(worker))
+      if redis.call('ZSCORE', entries_of(worker), session) then used = used - 1 end
+      if used < w.slots then
+        w.share = used / w.slots
+        w.has_volume = string.find(w.volumes, ',' .. data_set .. ',', 1, true) ~= nil
+        if not chosen or better(w, chosen) then chosen = w end
+      end
+    end
+  end
+  if not chosen then return {seen and 'full' or 'no_worker'} end
+
+  if remembered >= most_remembered and oldest_unplaced then
+    redis.call('DEL', 'diaphane:session:' .. oldest_unplaced)
+    redis.call('ZREM', user_key, oldest_unplaced)
+  end
+  if old_worker then redis.call('ZREM', entries_of(old_worker), session) end
+  placement = redis.call('HINCRBY', session_key, 'placement', 1)
+  redis.call('HSETNX', session_key, 'opened', now)
+end
+
+local until_ms = now + reservation_ms
+local entry = redis.call('ZSCORE', entries_of(chosen.id), session)
+if not entry or tonumber(entry) < until_ms then
+  redis.call('ZADD', entries_of(chosen.id), until_ms, session)
+end
+redis.call('EXPIRE', entries_of(chosen.id), 60)
+
+redis.call('HSET', session_key, 'user', user, 'data_set', data_set, 'worker', chosen.id,
+           'incarnation', chosen.incarnation, 'reserved_until', until_ms)
+redis.call('EXPIRE', session_key, session_s)
+local opened = redis.call('HGET', session_key, 'opened')
+for _, key in ipairs({user_key, data_set_key}) do
+  redis.call('ZADD', key, opened, session)
+  redis.call('EXPIRE', key, session_s)
+end
+
+local ticket_key = 'diaphane:ticket:' .. ticket
+redis.call('HSET', ticket_key, 'session', session, 'user', user)
+redis.call('EXPIRE', ticket_key, ticket_s)
+return {'placed', chosen.id, tostring(placement)}

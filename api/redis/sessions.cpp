@@ -1,0 +1,164 @@
+#include "api/redis/sessions.h"
+
+#include <charconv>
+
+#include "common/ids.h"
+
+namespace diaphane::api::redis {
+namespace {
+
+/// Version of what gateway and worker say to each other; workers of another are not placed on.
+constexpr std::string_view kProtocolEpoch = "1";
+constexpr std::size_t kTicketDigits = 64;
+
+template <typename Number>
+Number number(std::string_view text) {
+  Number value = 0;
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
+std::vector<std::string> split(std::string_view text) {
+  std::vector<std::string> parts;
+  while (!text.empty()) {
+    const std::size_t comma = text.find(',');
+    if (comma != 0) parts.emplace_back(text.substr(0, comma));
+    if (comma == std::string_view::npos) break;
+    text.remove_prefix(comma + 1);
+  }
+  return parts;
+}
+
+bool is_ticket(std::string_view text) {
+  return text.size() == kTicketDigits &&
+         text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+tl::unexpected<Error> no_session() {
+  return fail(ErrorCode::kNotFound, "There is no such session.");
+}
+
+tl::unexpected<Error> unexpected_answer() {
+  return fail(ErrorCode::kInternal, "A session script gave an answer that it does not have.");
+}
+
+}  // namespace
+
+Result<Placed> Sessions::place(const PlaceRequest& request) {
+  if (!is_id(request.session_id) || !is_id(request.user_id) || !is_id(request.data_set_id)) {
+    return no_session();
+  }
+  const std::string ticket = random_hex(kTicketDigits / 2);
+  const std::string reservation = std::to_string(limits_.reservation_ms);
+  const std::string ticket_s = std::to_string(limits_.ticket_s);
+  const std::string session_s = std::to_string(limits_.session_s);
+  const std::string placed = std::to_string(limits_.placed);
+  const std::string remembered = std::to_string(limits_.remembered);
+  const Result<Reply> reply =
+      client_.run(kPlace, {request.session_id, request.user_id, request.data_set_id, ticket,
+                           kProtocolEpoch, reservation, ticket_s, session_s, placed, remembered});
+  if (!reply) return tl::unexpected(reply.error());
+  const std::string& what = reply->at(0);
+  if (what == "placed") {
+    return Placed{ticket, reply->at(1), number<std::uint64_t>(reply->at(2))};
+  }
+  if (what == "not_yours") return no_session();
+  if (what == "too_many") {
+    return fail(ErrorCode::kTooMany,
+                "You have as many open pictures as one person may have; "
+                "close one, or try again in a moment.");
+  }
+  if (what == "full") {
+    return fail(ErrorCode::kUnavailable, "All places are taken; try again in a moment.");
+  }
+  if (what == "no_worker") {
+    return fail(ErrorCode::kUnavailable, "No renderer is running; try again in a moment.");
+  }
+  return unexpected_answer();
+}
+
+Result<SessionInfo> Sessions::find(std::string_view session_id) {
+  if (!is_id(session_id)) return no_session();
+  const std::string key = "diaphane:session:" + std::string(session_id);
+  const Result<Reply> reply = client_.command({"HMGET", key, "user", "data_set", "worker"});
+  if (!reply) return tl::unexpected(reply.error());
+  if (reply->at(0).empty()) return no_session();
+  return SessionInfo{std::string(session_id), reply->at(0), reply->at(1), reply->at(2)};
+}
+
+Result<std::vector<SessionInfo>> Sessions::sessions_of(std::string_view user_id) {
+  std::vector<SessionInfo> sessions;
+  if (!is_id(user_id)) return sessions;
+  const Result<Reply> reply = client_.run(kListSessions, {user_id});
+  if (!reply) return tl::unexpected(reply.error());
+  for (const Reply& one : reply->list) {
+    sessions.push_back({one.at(0), std::string(user_id), one.at(1), one.at(2)});
+  }
+  return sessions;
+}
+
+Result<void> Sessions::end(std::string_view session_id) {
+  if (!is_id(session_id)) return {};
+  const Result<Reply> reply = client_.run(kEndSessions, {"session", session_id});
+  if (!reply) return tl::unexpected(reply.error());
+  return {};
+}
+
+Result<void> Sessions::end_all_of(std::string_view data_set_id) {
+  if (!is_id(data_set_id)) return {};
+  const Result<Reply> reply = client_.run(kEndSessions, {"data_set", data_set_id});
+  if (!reply) return tl::unexpected(reply.error());
+  return {};
+}
+
+bool Sessions::reachable() { return client_.answers(std::chrono::milliseconds(80)); }
+
+Result<Attachment> Sessions::consume(std::string_view ticket) {
+  if (!is_ticket(ticket)) {
+    return fail(ErrorCode::kUnauthenticated, "The ticket is unknown, used or too old.");
+  }
+  const std::string reservation = std::to_string(limits_.reservation_ms);
+  const std::string session_s = std::to_string(limits_.session_s);
+  const Result<Reply> reply = client_.run(kConsumeTicket, {ticket, reservation, session_s});
+  if (!reply) return tl::unexpected(reply.error());
+  const std::string& what = reply->at(0);
+  if (what == "attach") {
+    Attachment found;
+    found.session = {reply->at(1), reply->at(2), reply->at(3), reply->at(4)};
+    found.address = reply->at(5);
+    found.incarnation = reply->at(6);
+    found.placement = number<std::uint64_t>(reply->at(7));
+    found.scene = reply->at(8);
+    found.input_seq = number<std::uint64_t>(reply->at(9));
+    found.width = number<std::uint32_t>(reply->at(10));
+    found.height = number<std::uint32_t>(reply->at(11));
+    return found;
+  }
+  if (what == "unknown") {
+    return fail(ErrorCode::kUnauthenticated, "The ticket is unknown, used or too old.");
+  }
+  if (what == "gone") return no_session();
+  if (what == "worker_lost") {
+    return fail(ErrorCode::kUnavailable, "The renderer of this session has gone; ask again.");
+  }
+  return unexpected_answer();
+}
+
+Result<std::vector<WorkerInfo>> Sessions::alive() {
+  const Result<Reply> reply = client_.run(kListWorkers, {kProtocolEpoch});
+  if (!reply) return tl::unexpected(reply.error());
+  std::vector<WorkerInfo> workers;
+  for (const Reply& one : reply->list) {
+    workers.push_back({one.at(0), one.at(1), one.at(2), number<std::uint32_t>(one.at(3)),
+                       number<std::uint32_t>(one.at(4)), split(one.at(5))});
+  }
+  return workers;
+}
+
+Result<bool> Sessions::lost(std::string_view worker_id, std::string_view incarnation) {
+  const Result<Reply> reply = client_.run(kWorkerLost, {worker_id, incarnation});
+  if (!reply) return tl::unexpected(reply.error());
+  return reply->integer == 1;
+}
+
+}  // namespace diaphane::api::redis

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/redis/client.h"
+#include "api/service/placement.h"
+#include "api/service/workers.h"
+
+namespace diaphane::api::redis {
+
+/// Sessions, tickets and workers as docs/contracts.md ("Redis") keeps them. It holds no state of
+/// its own: any number of `api` programs may share one Redis. Thread-safe.
+class Sessions final : public Placement, public Tickets, public Workers {
+ public:
+  struct Limits {
+    std::uint32_t placed = 8;       ///< sessions of one person that hold a slot
+    std::uint32_t remembered = 64;  ///< sessions of one person in all
+    std::uint32_t reservation_ms = 15'000;
+    std::uint32_t ticket_s = 30;
+    std::uint32_t session_s = 24 * 3600;
+  };
+
+  explicit Sessions(Client& client) : Sessions(client, Limits()) {}
+  Sessions(Client& client, Limits limits) : client_(client), limits_(limits) {}
+
+  Result<Placed> place(const PlaceRequest& request) override;
+  Result<SessionInfo> find(std::string_view session_id) override;
+  Result<std::vector<SessionInfo>> sessions_of(std::string_view user_id) override;
+  Result<void> end(std::string_view session_id) override;
+  Result<void> end_all_of(std::string_view data_set_id) override;
+  bool reachable() override;
+
+  Result<Attachment> consume(std::string_view ticket) override;
+
+  Result<std::vector<WorkerInfo>> alive() override;
+  Result<bool> lost(std::string_view worker_id, std::string_view incarnation) override;
+
+ private:
+  Client& client_;
+  Limits limits_;
+};
+
+}  // namespace diaphane::api::redis

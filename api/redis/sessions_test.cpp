@@ -1,0 +1,341 @@
+#include "api/redis/sessions.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "api/redis/test_redis_server.h"
+#include "common/ids.h"
+
+namespace diaphane::api::redis {
+namespace {
+
+using testing::ElementsAre;
+
+struct Worker {
+  std::string id;
+  int slots = 4;
+  std::string volumes = "";
+  std::string draining = "0";
+  std::string epoch = "1";
+  std::string incarnation = "first";
+  std::string load = "0";
+};
+
+class SessionsTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { server_ = std::make_unique<TestRedisServer>(); }
+  static void TearDownTestSuite() { server_.reset(); }
+
+  SessionsTest() : client_(*Client::create({.address = server_->address()})), sessions_(*client_) {
+    EXPECT_TRUE(client_->command({"FLUSHALL"}));
+  }
+
+  /// What a worker's heartbeat writes.
+  void announce(const Worker& w) {
+    const std::string key = "diaphane:worker:" + w.id;
+    const std::string slots = std::to_string(w.slots);
+    const std::string address = w.id + ":8085";
+    ASSERT_TRUE(client_->command({"SADD", "diaphane:workers", w.id}));
+    ASSERT_TRUE(client_->command({"HSET", key, "address", address, "incarnation", w.incarnation,
+                                  "slots", slots, "used", "0", "draining", w.draining, "volumes",
+                                  w.volumes, "epoch", w.epoch, "load", w.load}));
+  }
+  void vanish(const std::string& worker) {
+    ASSERT_TRUE(client_->command({"DEL", "diaphane:worker:" + worker}));
+  }
+  std::int64_t used(const std::string& worker) {
+    return client_->command({"ZCARD", "diaphane:worker:" + worker + ":sessions"})->integer;
+  }
+  void expire_entry(const std::string& worker, const std::string& session) {
+    ASSERT_TRUE(
+        client_->command({"ZADD", "diaphane:worker:" + worker + ":sessions", "1", session}));
+  }
+  PlaceRequest request(const std::string& user = new_id(), const std::string& data_set = new_id()) {
+    return {new_id(), user, data_set};
+  }
+
+  static std::unique_ptr<TestRedisServer> server_;
+  std::unique_ptr<Client> client_;
+  Sessions sessions_;
+};
+
+std::unique_ptr<TestRedisServer> SessionsTest::server_;
+
+TEST_F(SessionsTest, WithoutAWorkerNothingIsPlacedAndNothingIsLeft) {
+  EXPECT_EQ(sessions_.place(request()).error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(client_->command({"DBSIZE"})->integer, 0);
+}
+
+TEST_F(SessionsTest, AWorkerWithTheVolumeIsPreferredThenTheLeastUsed) {
+  const std::string volume = new_id();
+  announce({.id = "busy", .slots = 4, .volumes = new_id() + "," + volume});
+  announce({.id = "idle", .slots = 4});
+  EXPECT_EQ(sessions_.place(request(new_id(), volume))->worker_id, "busy");
+  EXPECT_EQ(sessions_.place(request(new_id(), volume))->worker_id, "busy");
+  EXPECT_EQ(sessions_.place(request())->worker_id, "idle");
+  EXPECT_EQ(sessions_.place(request())->worker_id, "idle");
+  EXPECT_EQ(used("busy"), 2);
+  EXPECT_EQ(used("idle"), 2);
+}
+
+TEST_F(SessionsTest, OfTwoEquallyUsedTheLessLoadedIsChosen) {
+  announce({.id = "a", .load = "0.9"});
+  announce({.id = "b", .load = "0.1"});
+  EXPECT_EQ(sessions_.place(request())->worker_id, "b");
+}
+
+TEST_F(SessionsTest, ADrainingWorkerAnotherProtocolAndAVanishedOneAreNeverChosen) {
+  announce({.id = "draining", .draining = "1"});
+  announce({.id = "older", .epoch = "0"});
+  announce({.id = "vanished"});
+  vanish("vanished");
+  EXPECT_EQ(sessions_.place(request()).error().code, ErrorCode::kUnavailable);
+  announce({.id = "good", .slots = 1});
+  EXPECT_EQ(sessions_.place(request())->worker_id, "good");
+  EXPECT_THAT(*sessions_.alive(), testing::SizeIs(1));
+}
+
+TEST_F(SessionsTest, EightPlacersAtOnceNeverOverCommit) {
+  announce({.id = "a", .slots = 37});
+  announce({.id = "b", .slots = 23});
+  std::atomic<int> placed = 0, refused = 0, wrong = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < 8; ++t) {
+      threads.emplace_back([&] {
+        for (int i = 0; i < 20; ++i) {
+          const auto result = sessions_.place({new_id(), new_id(), new_id()});
+          if (result) {
+            ++placed;
+          } else {
+            ++(result.error().code == ErrorCode::kUnavailable ? refused : wrong);
+          }
+        }
+      });
+    }
+  }
+  EXPECT_EQ(placed, 60);
+  EXPECT_EQ(refused, 100);
+  EXPECT_EQ(wrong, 0);
+  EXPECT_EQ(used("a"), 37);
+  EXPECT_EQ(used("b"), 23);
+}
+
+TEST_F(SessionsTest, TheSameSessionAgainStaysWithANewTicket) {
+  announce({.id = "a", .slots = 1});
+  const PlaceRequest once = request();
+  const auto first = sessions_.place(once);
+  const auto second = sessions_.place(once);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(second->worker_id, first->worker_id);
+  EXPECT_EQ(second->placement, first->placement);
+  EXPECT_NE(second->ticket, first->ticket);
+  EXPECT_EQ(used("a"), 1);
+}
+
+TEST_F(SessionsTest, ASessionMovesWhenItsWorkerIsGoneRestartedOrDraining) {
+  announce({.id = "a"});
+  const PlaceRequest once = request();
+  ASSERT_EQ(sessions_.place(once)->placement, 1u);
+
+  announce({.id = "a", .incarnation = "second"});
+  EXPECT_EQ(sessions_.place(once)->placement, 2u);
+
+  announce({.id = "a", .draining = "1", .incarnation = "second"});
+  announce({.id = "b"});
+  const auto moved = sessions_.place(once);
+  EXPECT_EQ(moved->worker_id, "b");
+  EXPECT_EQ(moved->placement, 3u);
+  EXPECT_EQ(used("a"), 0);
+
+  vanish("b");
+  announce({.id = "c"});
+  EXPECT_EQ(sessions_.place(once)->worker_id, "c");
+  EXPECT_EQ(sessions_.place(once)->placement, 4u);
+}
+
+TEST_F(SessionsTest, ASessionThatLostItsSlotIsPlacedAnewOnlyWhereOneIsFree) {
+  announce({.id = "a", .slots = 1});
+  const PlaceRequest first = request();
+  ASSERT_TRUE(sessions_.place(first));
+  expire_entry("a", first.session_id);
+  const PlaceRequest second = request();
+  ASSERT_TRUE(sessions_.place(second));
+  EXPECT_EQ(sessions_.place(first).error().code, ErrorCode::kUnavailable);
+  EXPECT_TRUE(sessions_.find(first.session_id)) << "a refusal must not forget the session";
+  ASSERT_TRUE(sessions_.end(second.session_id));
+  EXPECT_EQ(sessions_.place(first)->placement, 2u);
+}
+
+TEST_F(SessionsTest, AnotherPersonsSessionDoesNotExist) {
+  announce({.id = "a"});
+  const PlaceRequest mine = request();
+  ASSERT_TRUE(sessions_.place(mine));
+  PlaceRequest theirs = mine;
+  theirs.user_id = new_id();
+  EXPECT_EQ(sessions_.place(theirs).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(sessions_.find(mine.session_id)->user_id, mine.user_id);
+}
+
+TEST_F(SessionsTest, APersonHasOnlySoManyPlacedSessions) {
+  announce({.id = "a", .slots = 100});
+  const std::string user = new_id();
+  std::string first;
+  for (int i = 0; i < 8; ++i) {
+    const PlaceRequest one = request(user);
+    if (i == 0) first = one.session_id;
+    ASSERT_TRUE(sessions_.place(one));
+  }
+  EXPECT_EQ(sessions_.place(request(user)).error().code, ErrorCode::kTooMany);
+  EXPECT_TRUE(sessions_.place(request())) << "another person is not concerned";
+  ASSERT_TRUE(sessions_.end(first));
+  EXPECT_TRUE(sessions_.place(request(user)));
+}
+
+TEST_F(SessionsTest, TheOldestUnplacedSessionIsForgottenWhenThereAreTooMany) {
+  Sessions sessions(*client_, {.placed = 2, .remembered = 3});
+  announce({.id = "a", .slots = 100});
+  const std::string user = new_id();
+  std::vector<std::string> ids;
+  for (int i = 0; i < 4; ++i) {
+    const PlaceRequest one = request(user);
+    ASSERT_TRUE(sessions.place(one));
+    expire_entry("a", one.session_id);
+    ids.push_back(one.session_id);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_FALSE(sessions.find(ids[0]));
+  const auto remembered = sessions.sessions_of(user);
+  ASSERT_TRUE(remembered);
+  std::vector<std::string> left;
+  for (const SessionInfo& one : *remembered) left.push_back(one.id);
+  EXPECT_THAT(left, ElementsAre(ids[1], ids[2], ids[3]));
+}
+
+TEST_F(SessionsTest, ATicketWorksOnceAndSaysWhereTheSessionIs) {
+  announce({.id = "a", .incarnation = "x"});
+  const PlaceRequest once = request();
+  const auto placed = sessions_.place(once);
+  const std::string key = "diaphane:session:" + once.session_id;
+  const std::string scene("\0\x08 scene", 8);
+  ASSERT_TRUE(client_->command(
+      {"HSET", key, "scene", scene, "input_seq", "7", "width", "640", "height", "480"}));
+  const auto found = sessions_.consume(placed->ticket);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->session.id, once.session_id);
+  EXPECT_EQ(found->session.user_id, once.user_id);
+  EXPECT_EQ(found->session.data_set_id, once.data_set_id);
+  EXPECT_EQ(found->address, "a:8085");
+  EXPECT_EQ(found->incarnation, "x");
+  EXPECT_EQ(found->placement, 1u);
+  EXPECT_EQ(found->scene, scene);
+  EXPECT_EQ(found->input_seq, 7u);
+  EXPECT_EQ(found->width, 640u);
+  EXPECT_EQ(found->height, 480u);
+  EXPECT_EQ(sessions_.consume(placed->ticket).error().code, ErrorCode::kUnauthenticated);
+}
+
+TEST_F(SessionsTest, OfManyWhoUseOneTicketAtOnceOneIsServed) {
+  announce({.id = "a"});
+  const auto placed = sessions_.place(request());
+  std::atomic<int> served = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < 8; ++t) {
+      threads.emplace_back(
+          [&] { served += sessions_.consume(placed->ticket).has_value() ? 1 : 0; });
+    }
+  }
+  EXPECT_EQ(served, 1);
+}
+
+TEST_F(SessionsTest, ATicketExpires) {
+  Sessions sessions(*client_, {.ticket_s = 1});
+  announce({.id = "a"});
+  const auto placed = sessions.place(request());
+  const auto left = client_->command({"PTTL", "diaphane:ticket:" + placed->ticket})->integer;
+  EXPECT_GT(left, 0);
+  EXPECT_LE(left, 1000);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  EXPECT_EQ(sessions.consume(placed->ticket).error().code, ErrorCode::kUnauthenticated);
+}
+
+TEST_F(SessionsTest, WhatIsNoTicketIsRefused) {
+  for (const std::string& text : {std::string(), std::string("*"), std::string(64, 'G'),
+                                  std::string(64, 'a'), std::string(65, 'a')}) {
+    EXPECT_EQ(sessions_.consume(text).error().code, ErrorCode::kUnauthenticated);
+  }
+}
+
+TEST_F(SessionsTest, ATicketOfALostWorkerOrAnEndedSessionSaysWhich) {
+  announce({.id = "a"});
+  const PlaceRequest one = request();
+  const auto before_loss = sessions_.place(one);
+  announce({.id = "a", .incarnation = "second"});
+  EXPECT_EQ(sessions_.consume(before_loss->ticket).error().code, ErrorCode::kUnavailable);
+  const auto before_end = sessions_.place(one);
+  ASSERT_TRUE(sessions_.end(one.session_id));
+  EXPECT_EQ(sessions_.consume(before_end->ticket).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(SessionsTest, AReservationExpires) {
+  Sessions sessions(*client_, {.reservation_ms = 100});
+  announce({.id = "a", .slots = 1});
+  ASSERT_TRUE(sessions.place(request()));
+  EXPECT_EQ(sessions.place(request()).error().code, ErrorCode::kUnavailable);
+  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  EXPECT_TRUE(sessions.place(request()));
+  EXPECT_EQ(used("a"), 1);
+}
+
+TEST_F(SessionsTest, ALateTicketTakesNoSlotThatWentToAnother) {
+  announce({.id = "a", .slots = 1});
+  const PlaceRequest late = request();
+  const auto ticket = sessions_.place(late);
+  expire_entry("a", late.session_id);
+  ASSERT_TRUE(sessions_.place(request()));
+  EXPECT_EQ(sessions_.consume(ticket->ticket).error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(used("a"), 1);
+}
+
+TEST_F(SessionsTest, OnlyTheIncarnationThatWasLostIsForgotten) {
+  announce({.id = "a", .incarnation = "second"});
+  ASSERT_TRUE(sessions_.place(request()));
+  EXPECT_FALSE(*sessions_.lost("a", "first"));
+  EXPECT_EQ(used("a"), 1);
+  EXPECT_TRUE(*sessions_.lost("a", "second"));
+  EXPECT_EQ(used("a"), 0);
+  EXPECT_TRUE(sessions_.alive()->empty());
+  EXPECT_EQ(sessions_.place(request()).error().code, ErrorCode::kUnavailable);
+}
+
+TEST_F(SessionsTest, EndingADataSetEndsEverybodysSessionsOfItAndNoOther) {
+  announce({.id = "a", .slots = 10});
+  const std::string data_set = new_id();
+  const PlaceRequest first = request(new_id(), data_set), second = request(new_id(), data_set),
+                     other = request(first.user_id);
+  for (const PlaceRequest& one : {first, second, other}) ASSERT_TRUE(sessions_.place(one));
+  ASSERT_TRUE(sessions_.end_all_of(data_set));
+  EXPECT_FALSE(sessions_.find(first.session_id));
+  EXPECT_FALSE(sessions_.find(second.session_id));
+  EXPECT_TRUE(sessions_.find(other.session_id));
+  EXPECT_EQ(used("a"), 1);
+  EXPECT_TRUE(sessions_.end(first.session_id)) << "ending what has gone is no error";
+  EXPECT_EQ(sessions_.sessions_of(first.user_id)->size(), 1u);
+}
+
+TEST_F(SessionsTest, EverythingThatIsWrittenExpires) {
+  announce({.id = "a"});
+  ASSERT_TRUE(sessions_.place(request()));
+  const Result<Reply> keys = client_->command({"KEYS", "*"});
+  for (const Reply& key : keys->list) {
+    if (key.text == "diaphane:workers" || key.text == "diaphane:worker:a") continue;
+    EXPECT_GT(client_->command({"TTL", key.text})->integer, 0) << key.text;
+  }
+}
+
+}  // namespace
+}  // namespace diaphane::api::redis

@@ -1,0 +1,80 @@
+#include "api/redis/test_redis_server.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+#include "api/redis/client.h"
+
+namespace diaphane::api::redis {
+namespace {
+
+std::uint16_t free_port() {
+  const int probe = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  auto* generic = reinterpret_cast<sockaddr*>(&address);
+  if (::bind(probe, generic, size) != 0 || ::getsockname(probe, generic, &size) != 0) {
+    throw std::runtime_error("no free port");
+  }
+  ::close(probe);
+  return ntohs(address.sin_port);
+}
+
+}  // namespace
+
+TestRedisServer::TestRedisServer() : port_(free_port()) {
+  ::signal(SIGPIPE, SIG_IGN);  // as common/service does in the programs
+  char pattern[] = "/tmp/diaphane-redis-XXXXXX";
+  if (::mkdtemp(pattern) == nullptr) throw std::runtime_error("no temporary directory");
+  directory_ = pattern;
+  start();
+}
+
+TestRedisServer::~TestRedisServer() {
+  kill();
+  std::error_code ignored;
+  std::filesystem::remove_all(directory_, ignored);
+}
+
+void TestRedisServer::start() {
+  const std::string port = std::to_string(port_);
+  pid_ = ::fork();
+  if (pid_ == 0) {
+    const int nothing = ::open("/dev/null", O_RDWR);
+    ::dup2(nothing, STDOUT_FILENO);
+    ::execlp("redis-server", "redis-server", "--port", port.c_str(), "--bind", "127.0.0.1",
+             "--save", "", "--appendonly", "yes", "--dir", directory_.c_str(),
+             static_cast<char*>(nullptr));
+    ::_exit(127);
+  }
+  auto client = Client::create({.address = address()});
+  for (int attempt = 0; attempt < 200; ++attempt) {
+    if ((*client)->answers(std::chrono::milliseconds(100))) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  throw std::runtime_error("redis-server did not start");
+}
+
+void TestRedisServer::kill() {
+  if (pid_ <= 0) return;
+  ::kill(pid_, SIGKILL);
+  ::waitpid(pid_, nullptr, 0);
+  pid_ = -1;
+}
+
+void TestRedisServer::pause() { ::kill(pid_, SIGSTOP); }
+void TestRedisServer::resume() { ::kill(pid_, SIGCONT); }
+
+}  // namespace diaphane::api::redis

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace diaphane::api::redis {
+
+/// A real redis-server of a test's own, on a free port of the loopback, in a directory of its own.
+class TestRedisServer {
+ public:
+  TestRedisServer();
+  ~TestRedisServer();
+  TestRedisServer(const TestRedisServer&) = delete;
+  TestRedisServer& operator=(const TestRedisServer&) = delete;
+
+  std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+  void start();  ///< on the same port as before; waits until it answers
+  void kill();   ///< SIGKILL
+  void pause();  ///< SIGSTOP: it accepts and never answers
+  void resume();
+
+ private:
+  std::filesystem::path directory_;
+  std::uint16_t port_ = 0;
+  pid_t pid_ = -1;
+};
+
+}  // namespace diaphane::api::redis
