@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ingest/dicom/syntax.h"
+
+namespace diaphane::dicom {
+
+/// What one file may ask for.
+struct Limits {
+  std::uint64_t file_bytes = std::uint64_t{1} << 30;
+  std::uint64_t pixel_bytes = std::uint64_t{1}
+                              << 28;  ///< rows x columns x frames x samples x bytes
+  std::uint64_t inflated_bytes = std::uint64_t{1} << 28;  ///< of a deflated data set
+  std::uint32_t elements = 100000;                        ///< in all items together
+  std::uint32_t nesting = 16;                             ///< sequences within sequences
+};
+
+enum class FileState {
+  kFit,          ///< GDCM may see it
+  kNotDicom,     ///< some other file
+  kDamaged,      ///< begins as DICOM, but ends too early or contradicts itself
+  kTooLarge,     ///< asks for more than the limits allow
+  kUnsupported,  ///< a transfer syntax that is not read
+};
+
+struct Precheck {
+  FileState state = FileState::kNotDicom;
+  std::string text;  ///< why not, in words; nothing of the file's own texts
+  TransferSyntax syntax;
+  std::uint16_t rows = 0;
+  std::uint16_t columns = 0;
+  std::uint64_t frames = 1;
+  bool has_pixels = false;
+  /// Not empty: what GDCM is to be given instead of the file, because it was deflated or had no
+  /// header.
+  std::vector<std::byte> plain;
+};
+
+/// Walks the whole file before any library sees it: every length within the bytes that remain,
+/// sequences no deeper than the limit, pixels within the quota and all there, pictures inside
+/// compressed pixels of the size that the header says, a transfer syntax that is on the list. Pure;
+/// reads nothing but `file`; memory beyond the file only for a deflated one, up to
+/// `limits.inflated_bytes`. (Design: ingest, "Hostile input": a 286-byte file can make a reader ask
+/// for 8.4 GB.)
+Precheck precheck(std::span<const std::byte> file, const Limits& limits);
+
+}  // namespace diaphane::dicom

@@ -1,0 +1,230 @@
+#include "ingest/dicom/walk.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <string_view>
+
+namespace diaphane::dicom {
+namespace {
+
+constexpr std::uint32_t kUndefined = 0xFFFFFFFF;
+constexpr std::uint32_t kItem = 0xFFFEE000;
+constexpr std::uint32_t kItemEnd = 0xFFFEE00D;
+constexpr std::uint32_t kSequenceEnd = 0xFFFEE0DD;
+constexpr std::uint32_t kPixelData = 0x7FE00010;
+
+/// Thrown inside this file only, to leave the recursion; walk() turns it into a value.
+struct Stop {
+  FileState state;
+  const char* text;
+};
+
+[[noreturn]] void damaged(const char* text) { throw Stop{FileState::kDamaged, text}; }
+
+class Walker {
+ public:
+  Walker(std::span<const std::byte> data, bool explicit_vr, bool big_endian, const Limits& limits)
+      : data_(data), explicit_(explicit_vr), big_endian_(big_endian), limits_(limits) {}
+
+  void run() { data_set(data_.size(), false, explicit_, 0); }
+  Walked& result() { return result_; }
+
+ private:
+  struct Element {
+    std::uint32_t tag = 0;
+    std::array<char, 2> vr{};  ///< zeros where the syntax has none
+    std::uint32_t length = 0;
+    bool is(const char* name) const { return vr[0] == name[0] && vr[1] == name[1]; }
+  };
+
+  std::uint8_t byte(std::size_t at) const { return std::to_integer<std::uint8_t>(data_[at]); }
+  std::uint16_t read16(std::size_t at) const {
+    const unsigned a = byte(at), b = byte(at + 1);
+    return static_cast<std::uint16_t>(big_endian_ ? a << 8 | b : b << 8 | a);
+  }
+  std::uint32_t read32(std::size_t at) const {
+    const std::uint32_t a = read16(at), b = read16(at + 2);
+    return big_endian_ ? a << 16 | b : b << 16 | a;
+  }
+  std::uint32_t tag_at(std::size_t at) const {
+    return std::uint32_t{read16(at)} << 16 | read16(at + 2);
+  }
+  void need(std::uint64_t bytes, std::size_t end) const {
+    if (bytes > end - at_) damaged("the file ends too early");
+  }
+
+  Element next(std::size_t end, bool explicit_vr) {
+    if (++elements_ > limits_.elements)
+      throw Stop{FileState::kTooLarge, "the file has too many elements"};
+    need(8, end);
+    Element e;
+    e.tag = tag_at(at_);
+    if (!explicit_vr || e.tag >> 16 == 0xFFFE) {
+      e.length = read32(at_ + 4);
+      at_ += 8;
+      return e;
+    }
+    e.vr = {static_cast<char>(byte(at_ + 4)), static_cast<char>(byte(at_ + 5))};
+    static constexpr std::string_view kKnown =
+        "AE AS AT CS DA DS DT FD FL IS LO LT OB OD OF OL OV OW PN SH SL SQ SS ST SV TM UC UI UL UN "
+        "UR US UT UV ";
+    static constexpr std::string_view kLong = "OB OD OF OL OV OW SQ SV UC UN UR UT UV ";
+    const char name[] = {e.vr[0], e.vr[1], ' ', '\0'};
+    if (kKnown.find(name) == std::string_view::npos)
+      damaged("an element has no known representation");
+    if (kLong.find(name) == std::string_view::npos) {
+      e.length = read16(at_ + 6);
+      at_ += 8;
+    } else {
+      need(12, end);
+      e.length = read32(at_ + 8);
+      at_ += 12;
+    }
+    return e;
+  }
+
+  /// Elements until `end`, or until the item's end mark when `open`.
+  void data_set(std::size_t end, bool open, bool explicit_vr, std::uint32_t depth) {
+    while (at_ < end) {
+      const Element e = next(end, explicit_vr);
+      if (e.tag == kItemEnd && open) {
+        if (e.length != 0) damaged("an item ends with a length");
+        return;
+      }
+      if (e.tag >> 16 == 0xFFFE) damaged("an item stands where an element should");
+      if (depth == 0 && e.tag == kPixelData) {
+        pixels(e, end);
+      } else {
+        element(e, end, explicit_vr, depth);
+      }
+    }
+    if (open) damaged("the file ends too early");
+  }
+
+  void element(const Element& e, std::size_t end, bool explicit_vr, std::uint32_t depth) {
+    if (e.length == kUndefined) {
+      if (explicit_vr && !e.is("SQ") && !e.is("UN")) damaged("an element has no length");
+      // Of unknown representation and without length: implicit inside (DICOM PS3.5, 6.2.2, note 2).
+      sequence(end, true, explicit_vr && e.is("SQ"), depth + 1);
+      return;
+    }
+    need(e.length, end);
+    const std::size_t stop = at_ + e.length;
+    // Readers look for items also where the representation does not say "sequence".
+    const bool hidden = (!explicit_vr || e.is("UN")) && e.length >= 8 && tag_at(at_) == kItem;
+    if (e.is("SQ") || hidden) {
+      sequence(stop, false, explicit_vr && e.is("SQ"), depth + 1);
+    } else if (depth == 0) {
+      note(e);
+    }
+    at_ = stop;
+  }
+
+  void sequence(std::size_t end, bool open, bool explicit_vr, std::uint32_t depth) {
+    if (depth > limits_.nesting) throw Stop{FileState::kTooLarge, "sequences are nested too deep"};
+    while (at_ < end) {
+      const Element item = next(end, false);
+      if (item.tag == kSequenceEnd && open) {
+        if (item.length != 0) damaged("a sequence ends with a length");
+        return;
+      }
+      if (item.tag != kItem) damaged("something else stands between the items of a sequence");
+      if (item.length == kUndefined) {
+        data_set(end, true, explicit_vr, depth);
+      } else {
+        need(item.length, end);
+        data_set(at_ + item.length, false, explicit_vr, depth);
+      }
+    }
+    if (open) damaged("the file ends too early");
+  }
+
+  void pixels(const Element& e, std::size_t end) {
+    if (result_.has_pixels) damaged("there are two sets of pixels");
+    result_.has_pixels = true;
+    if (e.length != kUndefined) {
+      need(e.length, end);
+      result_.pixel_length = e.length;
+      at_ += e.length;
+      return;
+    }
+    result_.encapsulated = true;
+    for (std::uint32_t n = 0;; ++n) {
+      const Element fragment = next(end, false);
+      if (fragment.tag == kSequenceEnd) {
+        if (fragment.length != 0) damaged("compressed pixels end with a length");
+        return;
+      }
+      if (fragment.tag != kItem || fragment.length == kUndefined)
+        damaged("compressed pixels are broken");
+      need(fragment.length, end);
+      if (n == 1)
+        result_.first_fragment = data_.subspan(at_, fragment.length);  // 0: the offset table
+      at_ += fragment.length;
+    }
+  }
+
+  void note(const Element& e) {
+    switch (e.tag) {
+      case 0x00280002:
+        return number(e, result_.samples);
+      case 0x00280010:
+        return number(e, result_.rows);
+      case 0x00280011:
+        return number(e, result_.columns);
+      case 0x00280100:
+        return number(e, result_.bits_allocated);
+      case 0x00280008:
+        return frames(e);
+      default:
+        return;
+    }
+  }
+
+  void number(const Element& e, std::optional<std::uint16_t>& into) const {
+    // Twice, or of an odd form: two readers could see two different pictures.
+    if (into || e.length != 2 || (explicit_ && !e.is("US")))
+      damaged("the size of the picture is unclear");
+    into = read16(at_);
+  }
+
+  void frames(const Element& e) {
+    std::string text;
+    for (std::uint32_t i = 0; i < std::min<std::uint32_t>(e.length, 16); ++i) {
+      const char c = static_cast<char>(byte(at_ + i));
+      if (c != ' ' && c != '\0') text += c;
+    }
+    std::uint64_t value = 0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (result_.frames || (explicit_ && !e.is("IS")) || error != std::errc() ||
+        stop != text.data() + text.size()) {
+      damaged("the number of frames is unclear");
+    }
+    result_.frames = value;
+  }
+
+  std::span<const std::byte> data_;
+  bool explicit_;
+  bool big_endian_;
+  const Limits& limits_;
+  std::size_t at_ = 0;
+  std::uint32_t elements_ = 0;
+  Walked result_;
+};
+
+}  // namespace
+
+Walked walk(std::span<const std::byte> data, bool explicit_vr, bool big_endian,
+            const Limits& limits) {
+  Walker walker(data, explicit_vr, big_endian, limits);
+  try {
+    walker.run();
+  } catch (const Stop& stop) {
+    walker.result().state = stop.state;
+    walker.result().text = stop.text;
+  }
+  return std::move(walker.result());
+}
+
+}  // namespace diaphane::dicom

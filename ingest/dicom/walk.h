@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "ingest/dicom/precheck.h"
+
+namespace diaphane::dicom {
+
+/// What the walk over a data set found at its top level.
+struct Walked {
+  FileState state = FileState::kFit;
+  std::string text;
+  std::optional<std::uint16_t> rows, columns, samples, bits_allocated;
+  std::optional<std::uint64_t> frames;
+  bool has_pixels = false;
+  bool encapsulated = false;
+  std::uint64_t pixel_length = 0;             ///< bytes of native pixels
+  std::span<const std::byte> first_fragment;  ///< of compressed pixels
+};
+
+/// Checks the structure of a data set (DICOM PS3.5, 7): see precheck().
+Walked walk(std::span<const std::byte> data, bool explicit_vr, bool big_endian,
+            const Limits& limits);
+
+}  // namespace diaphane::dicom
