@@ -1,1 +1,1 @@
-DROP TABLE idempotency_keys, mail_queue, sign_in_failures, web_sessions, email_tokens, users;
+DROP TABLE idempotency_keys, mail_queue, attempts, web_sessions, email_tokens, users;

@@ -1,4 +1,5 @@
--- Accounts, the tokens mailed to them, and signed-in browsers. No token is stored: only its BLAKE2b-256.
+-- Accounts, the tokens mailed to them, and signed-in browsers. No token is stored: only its BLAKE2b-256,
+-- in hexadecimal.
 CREATE TABLE users (
   id             uuid PRIMARY KEY,
   email          text NOT NULL CHECK (length(email) BETWEEN 3 AND 254),
@@ -10,14 +11,15 @@ CREATE TABLE users (
 );
 
 CREATE TABLE email_tokens (
-  token_hash  bytea PRIMARY KEY,
+  token_hash  text PRIMARY KEY,
   user_id     uuid NOT NULL REFERENCES users ON DELETE CASCADE,
   purpose     text NOT NULL CHECK (purpose IN ('verify')),
   expires_at  timestamptz NOT NULL
 );
+CREATE INDEX email_tokens_user ON email_tokens (user_id);
 
 CREATE TABLE web_sessions (
-  token_hash   bytea PRIMARY KEY,
+  token_hash   text PRIMARY KEY,
   user_id      uuid NOT NULL REFERENCES users ON DELETE CASCADE,
   csrf_token   text NOT NULL,
   created_at   timestamptz NOT NULL DEFAULT now(),
@@ -26,12 +28,13 @@ CREATE TABLE web_sessions (
 CREATE INDEX web_sessions_user ON web_sessions (user_id);
 CREATE INDEX web_sessions_expiry ON web_sessions (expires_at);
 
--- Failed sign-ins by account and by address; what is over the limit waits.
-CREATE TABLE sign_in_failures (
-  key         bytea NOT NULL,                   -- BLAKE2b-256 of "account:..." or "address:..."
-  failed_at   timestamptz NOT NULL DEFAULT now()
+-- What is limited by count: failed sign-ins by account and by address, sign-ups by address, mails by recipient.
+CREATE TABLE attempts (
+  key_hash     text NOT NULL,                   -- BLAKE2b-256 of "account:..." and the like, hexadecimal
+  happened_at  timestamptz NOT NULL
 );
-CREATE INDEX sign_in_failures_key ON sign_in_failures (key, failed_at);
+CREATE INDEX attempts_key ON attempts (key_hash, happened_at);
+CREATE INDEX attempts_age ON attempts (happened_at);
 
 -- Outgoing mail, sent by `api` after the transaction that asked for it has committed.
 CREATE TABLE mail_queue (
@@ -42,16 +45,16 @@ CREATE TABLE mail_queue (
   attempts    int NOT NULL DEFAULT 0,
   not_before  timestamptz NOT NULL DEFAULT now()
 );
+CREATE INDEX mail_queue_due ON mail_queue (not_before, id);
 
--- Answers of creations, replayed when the same key comes again.
+-- What a creation made, found again when the same key comes again.
 CREATE TABLE idempotency_keys (
-  user_id     uuid NOT NULL REFERENCES users ON DELETE CASCADE,
-  route       text NOT NULL,
-  key         text NOT NULL CHECK (length(key) BETWEEN 1 AND 128),
-  request_hash bytea NOT NULL,
-  status      int NOT NULL,
-  body        text NOT NULL,
-  location    text NOT NULL DEFAULT '',
-  created_at  timestamptz NOT NULL DEFAULT now(),
+  user_id      uuid NOT NULL REFERENCES users ON DELETE CASCADE,
+  route        text NOT NULL,
+  key          text NOT NULL CHECK (length(key) BETWEEN 1 AND 128),
+  request_hash text NOT NULL,
+  created_id   uuid NOT NULL,
+  created_at   timestamptz NOT NULL,
   PRIMARY KEY (user_id, route, key)
 );
+CREATE INDEX idempotency_keys_age ON idempotency_keys (created_at);

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "api/postgres/database.h"
+#include "api/service/data_set_store.h"
+
+namespace diaphane::api {
+
+/// Data sets, uploads, disposals (migrations/0002).
+class DataSetRepository final : public DataSetStore {
+ public:
+  explicit DataSetRepository(Database& database) : database_(database) {}
+
+  Result<std::variant<Created, OverQuota, KeyReused>> create(
+      const NewDataSet& data_set, const std::optional<IdempotencyKey>& key, Time now) override;
+  Result<std::vector<DataSet>> list(const Owner& viewer, std::optional<Cursor> after,
+                                    int limit) override;
+  Result<DataSet> find(const Owner& viewer, const std::string& id) override;
+  Result<void> remove(const Owner& owner, const std::string& id, Time now) override;
+  Result<Upload> find_upload(const Owner& owner, const std::string& id) override;
+  Result<void> advance_upload(const std::string& id, std::int64_t from, std::int64_t to,
+                              Time expires_at, Time now) override;
+  Result<void> cancel_upload(const Owner& owner, const std::string& id, Time now) override;
+  Result<int> expire_uploads(Time now) override;
+  Result<std::vector<Disposal>> disposals(int limit) override;
+  Result<void> disposed(const Disposal& disposal) override;
+
+ private:
+  Database& database_;
+};
+
+}  // namespace diaphane::api
