@@ -1,0 +1,194 @@
+#include "api/mail/transport.h"
+
+#include <curl/curl.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+
+#include "common/ids.h"
+
+namespace diaphane::api {
+namespace {
+
+std::string one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+  return text;
+}
+
+std::string rfc5322_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[64];
+  const std::size_t size = std::strftime(text, sizeof text, "%a, %d %b %Y %H:%M:%S +0000", &utc);
+  return std::string(text, size);
+}
+
+std::string crlf_lines(std::string_view text) {
+  std::string lines;
+  for (const char c : text) {
+    if (c == '\n') lines += '\r';
+    if (c != '\r') lines += c;
+  }
+  return lines;
+}
+
+/// One file a mail, named so that a listing is in the order of sending.
+class FileTransport final : public MailTransport {
+ public:
+  FileTransport(std::string directory, std::string from)
+      : directory_(std::move(directory)), from_(std::move(from)) {}
+
+  Result<void> send(const Mail& mail) override {
+    const auto broken = [] {
+      return fail(ErrorCode::kUnavailable, "the mail directory cannot be written");
+    };
+    timespec now{};
+    clock_gettime(CLOCK_REALTIME, &now);
+    char stamp[48];
+    std::snprintf(stamp, sizeof stamp, "%012lld%09ld", static_cast<long long>(now.tv_sec),
+                  now.tv_nsec);
+    const std::string id = random_hex(8);
+    const std::filesystem::path path =
+        std::filesystem::path(directory_) / (std::string(stamp) + "-" + id + ".eml");
+    const std::filesystem::path temporary = path.string() + ".tmp";
+    std::ofstream file(temporary, std::ios::binary);
+    ::chmod(temporary.c_str(), 0600);  // the link in it is a secret
+    file << message_of(mail, from_, rfc5322_now(), id);
+    file.close();
+    std::error_code error;
+    if (file) std::filesystem::rename(temporary, path, error);
+    if (!file || error) {
+      std::filesystem::remove(temporary, error);
+      return broken();
+    }
+    return {};
+  }
+
+ private:
+  std::string directory_, from_;
+};
+
+struct Reading {
+  std::string text;
+  std::size_t at = 0;
+};
+
+std::size_t read_some(char* buffer, std::size_t size, std::size_t count, void* user) {
+  auto& reading = *static_cast<Reading*>(user);
+  const std::size_t some = std::min(size * count, reading.text.size() - reading.at);
+  std::copy_n(reading.text.data() + reading.at, some, buffer);
+  reading.at += some;
+  return some;
+}
+
+class SmtpTransport final : public MailTransport {
+ public:
+  SmtpTransport(std::string url, std::string user, std::string password, std::string from)
+      : url_(std::move(url)),
+        user_(std::move(user)),
+        password_(std::move(password)),
+        from_(std::move(from)) {}
+
+  Result<void> send(const Mail& mail) override {
+    const std::unique_ptr<CURL, decltype(&curl_easy_cleanup)> curl(curl_easy_init(),
+                                                                   &curl_easy_cleanup);
+    if (!curl) return fail(ErrorCode::kUnavailable, "no SMTP client");
+    Reading reading{message_of(mail, from_, rfc5322_now(), random_hex(16)), 0};
+    const std::unique_ptr<curl_slist, decltype(&curl_slist_free_all)> recipients(
+        curl_slist_append(nullptr, ("<" + one_line(mail.recipient) + ">").c_str()),
+        &curl_slist_free_all);
+    CURL* const c = curl.get();
+    curl_easy_setopt(c, CURLOPT_URL, url_.c_str());
+    curl_easy_setopt(c, CURLOPT_PROTOCOLS_STR, "smtp,smtps");
+    if (!user_.empty()) {
+      curl_easy_setopt(c, CURLOPT_USERNAME, user_.c_str());
+      curl_easy_setopt(c, CURLOPT_PASSWORD, password_.c_str());
+    }
+    // A password never goes over an open line.
+    curl_easy_setopt(c, CURLOPT_USE_SSL,
+                     static_cast<long>(user_.empty() ? CURLUSESSL_TRY : CURLUSESSL_ALL));
+    curl_easy_setopt(c, CURLOPT_MAIL_FROM, ("<" + from_ + ">").c_str());
+    curl_easy_setopt(c, CURLOPT_MAIL_RCPT, recipients.get());
+    curl_easy_setopt(c, CURLOPT_READFUNCTION, read_some);
+    curl_easy_setopt(c, CURLOPT_READDATA, &reading);
+    curl_easy_setopt(c, CURLOPT_UPLOAD, 1L);
+    curl_easy_setopt(c, CURLOPT_NOSIGNAL, 1L);
+    curl_easy_setopt(c, CURLOPT_CONNECTTIMEOUT, 10L);
+    curl_easy_setopt(c, CURLOPT_TIMEOUT, 60L);
+    const CURLcode code = curl_easy_perform(c);
+    if (code == CURLE_OK) return {};
+    long answer = 0;
+    curl_easy_getinfo(c, CURLINFO_RESPONSE_CODE, &answer);
+    // 5xx to the recipient: refused for good. (530 and 535 are about us: they may be mended.)
+    const bool for_good = answer >= 550 && answer < 560;
+    return fail(for_good ? ErrorCode::kInvalid : ErrorCode::kUnavailable,
+                std::string(curl_easy_strerror(code)) + ", SMTP " + std::to_string(answer));
+  }
+
+ private:
+  std::string url_, user_, password_, from_;
+};
+
+std::string percent_decoded(const std::string& text) {
+  int size = 0;
+  char* const decoded =
+      curl_easy_unescape(nullptr, text.c_str(), static_cast<int>(text.size()), &size);
+  const std::string result(decoded ? decoded : "", static_cast<std::size_t>(size));
+  curl_free(decoded);
+  return result;
+}
+
+}  // namespace
+
+std::string message_of(const Mail& mail, const std::string& from, const std::string& date,
+                       const std::string& message_id) {
+  const std::size_t at = from.find('@');
+  const std::string domain = at == std::string::npos ? "localhost" : from.substr(at + 1);
+  return "Date: " + date + "\r\nFrom: Diaphane <" + one_line(from) + ">\r\nTo: <" +
+         one_line(mail.recipient) + ">\r\nSubject: " + one_line(mail.subject) +
+         "\r\nMessage-ID: <" + message_id + "@" + domain +
+         ">\r\nAuto-Submitted: auto-generated\r\nMIME-Version: 1.0\r\n"
+         "Content-Type: text/plain; charset=utf-8\r\nContent-Transfer-Encoding: 8bit\r\n\r\n" +
+         crlf_lines(mail.body);
+}
+
+Result<std::unique_ptr<MailTransport>> open_mail_transport(const std::string& setting,
+                                                           const std::string& from) {
+  if (setting.starts_with("file:")) {
+    const std::string directory = setting.substr(5);
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(directory, ignored)) {
+      return fail(ErrorCode::kInvalid, "--mail: there is no such directory");
+    }
+    return std::make_unique<FileTransport>(directory, from);
+  }
+  const std::size_t scheme_end = setting.find("://");
+  const std::string scheme = setting.substr(0, scheme_end);
+  if (scheme_end == std::string::npos || (scheme != "smtp" && scheme != "smtps")) {
+    return fail(ErrorCode::kInvalid,
+                "--mail is file:DIRECTORY or smtp://[user:password@]host:port");
+  }
+  std::string host = setting.substr(scheme_end + 3);
+  std::string user, password;
+  if (const std::size_t at = host.rfind('@'); at != std::string::npos) {
+    const std::string login = host.substr(0, at);
+    host = host.substr(at + 1);
+    const std::size_t colon = login.find(':');
+    user = percent_decoded(login.substr(0, colon));
+    if (colon != std::string::npos) password = percent_decoded(login.substr(colon + 1));
+  }
+  if (host.empty() || host.find('/') != std::string::npos) {
+    return fail(ErrorCode::kInvalid, "--mail names no host");
+  }
+  curl_global_init(CURL_GLOBAL_DEFAULT);
+  return std::make_unique<SmtpTransport>(scheme + "://" + host, user, password, from);
+}
+
+}  // namespace diaphane::api
