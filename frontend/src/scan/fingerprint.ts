@@ -1,0 +1,21 @@
+import type { SliceHeader } from "./types";
+
+/**
+ * Tells the same files again after a reload, so that an upload goes on where it was cut. Only this number is kept:
+ * no name and no identifier can be read from it.
+ */
+export function fingerprint(slices: readonly SliceHeader[]): string {
+  let low = 0xdeadbeef;
+  let high = 0x41c6ce57;
+  const mix = (code: number) => {
+    low = Math.imul(low ^ code, 2654435761);
+    high = Math.imul(high ^ code, 1597334677);
+  };
+  for (const slice of slices) {
+    const text = `${slice.sop_uid} ${slice.file_bytes};`;
+    for (let i = 0; i < text.length; i++) mix(text.charCodeAt(i));
+  }
+  low = Math.imul(low ^ (low >>> 16), 2246822507) ^ Math.imul(high ^ (high >>> 13), 3266489909);
+  high = Math.imul(high ^ (high >>> 16), 2246822507) ^ Math.imul(low ^ (low >>> 13), 3266489909);
+  return (high >>> 0).toString(16).padStart(8, "0") + (low >>> 0).toString(16).padStart(8, "0");
+}

@@ -1,0 +1,80 @@
+import { describe, expect, it } from "vitest";
+import { judge } from "./judge";
+import { read_file_header } from "./read_file";
+import { make_series, make_slice, type MadeSlice } from "./testing";
+import type { SliceHeader } from "./types";
+
+async function headers(blobs: readonly Blob[]): Promise<SliceHeader[]> {
+  const reads = await Promise.all(blobs.map((blob, i) => read_file_header(blob, i)));
+  return reads.flatMap((read) => (read.kind === "header" ? [read.header] : []));
+}
+
+const judged = async (blobs: readonly Blob[]) => judge(await headers(blobs));
+const series = (change: (i: number) => MadeSlice, count = 24, gap = 1.5) => make_series(count, gap, change);
+
+async function refusal(blobs: readonly Blob[]) {
+  const verdict = await judged(blobs);
+  return verdict.suitable ? "suitable" : verdict.reason;
+}
+
+describe("what can become a volume", () => {
+  it("takes a regular series and orders it by position, not by name or number", async () => {
+    const blobs = series((i) => ({ z: ((i * 7) % 24) * 1.5 - 10 }));
+    const verdict = await judged(blobs);
+    expect(verdict).toMatchObject({ suitable: true, size: [8, 8, 24], left_out: { scouts: 0, doubles: 0, damaged: 0 } });
+    if (!verdict.suitable) return;
+    expect(verdict.files.map((file) => (file * 7) % 24)).toEqual([...Array(24).keys()]);
+    expect(verdict.size_mm[2]).toBeCloseTo(36, 9);
+    expect(verdict.bytes).toBe(blobs.reduce((sum, blob) => sum + blob.size, 0));
+  });
+
+  it("measures positions along the normal of an oblique series", async () => {
+    const c = Math.SQRT1_2;
+    const verdict = await judged(series((i) => ({ position: [0, -i * c, i * c], orientation: [1, 0, 0, 0, c, c] }), 30));
+    expect(verdict).toMatchObject({ suitable: true });
+    if (verdict.suitable) expect(verdict.size_mm[2]).toBeCloseTo(30, 6);
+  });
+
+  it("allows a jitter of two in a hundred", async () => {
+    expect(await refusal(series((i) => ({ z: i * 1.5 + (i % 2) * 0.014 })))).toBe("suitable");
+    expect(await refusal(series((i) => ({ z: i * 1.5 + (i % 2) * 0.2 })))).toBe("uneven_spacing");
+  });
+
+  it("keeps one of two same objects and drops a scout inside a good series", async () => {
+    const blobs = [
+      ...series((i) => ({ sop_uid: `9.${i}` })),
+      new Blob([make_slice({ z: 3, sop_uid: "9.2" })]),
+      new Blob([make_slice({ z: 3, image_type: "ORIGINAL\\PRIMARY\\LOCALIZER", orientation: [0, 1, 0, 0, 0, -1] })]),
+    ];
+    expect(await judged(blobs)).toMatchObject({ suitable: true, size: [8, 8, 24], left_out: { doubles: 1, scouts: 1 } });
+  });
+
+  it("leaves a truncated slice out at the end, and misses it in the middle", async () => {
+    const cut = (at: number) => series(() => ({})).map((blob, i) => (i === at ? blob.slice(0, blob.size - 40) : blob));
+    expect(await judged(cut(23))).toMatchObject({ suitable: true, size: [8, 8, 23], left_out: { damaged: 1 } });
+    expect(await judged(cut(11))).toMatchObject({ suitable: false, reason: "missing_slices", count: 1 });
+  });
+
+  it.each<[string, Blob[]]>([
+    ["too_few_slices", series(() => ({}), 3)],
+    ["too_short", series(() => ({}), 24, 0.5)],
+    ["scout", series(() => ({ image_type: "ORIGINAL\\PRIMARY\\LOCALIZER" }), 2)],
+    ["views", series(() => ({ image_type: "DERIVED\\SECONDARY\\PROJECTION IMAGE" }))],
+    ["screenshots", series(() => ({ photometric: "RGB", samples: 3, pixels: new Uint8Array(384) }))],
+    ["screenshots", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.7" }))],
+    ["not_images", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.88.22" }), 1)],
+    ["multi_frame", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.2.1", frames: 40 }), 1)],
+    ["no_position", series(() => ({ position: null }))],
+    ["no_position", series(() => ({ orientation: null }))],
+    ["one_position", series(() => ({ z: 5 }))],
+    ["time_series", series((i) => ({ z: (i % 12) * 2 }))],
+    ["mixed", series((i) => (i > 20 ? { rows: 4 } : {}))],
+    ["mixed", series((i) => (i > 20 ? { spacing: [1, 1] } : {}))],
+    ["missing_slices", series((i) => ({ z: (i < 12 ? i : i + 2) * 1.5 }))],
+    ["tilted", series((i) => ({ position: [0, i * 0.2, i * 1.5] }))],
+    ["unsupported_compression", series(() => ({ syntax: "1.2.840.10008.1.2.4.102" }))],
+    ["damaged", series(() => ({})).map((blob) => blob.slice(0, blob.size - 2))],
+  ])("refuses with %s", async (reason, blobs) => {
+    expect(await refusal(blobs)).toBe(reason);
+  });
+});

@@ -1,0 +1,89 @@
+import { fingerprint } from "./fingerprint";
+import { judge } from "./judge";
+import { read_file_header } from "./read_file";
+import { draw_thumbnail } from "./thumbnail";
+import type { ScanResult, Series, SliceHeader, Thumbnail } from "./types";
+
+/** So many files at once: enough to keep a disk busy, few enough for a phone. */
+const at_once = 12;
+
+export type Progress = (done: number, total: number) => void;
+
+/** Looks at every file whatever its name, and sorts what it finds into series. */
+export async function scan_files(files: readonly Blob[], progress: Progress, stopped: () => boolean): Promise<ScanResult> {
+  const headers: SliceHeader[] = [];
+  let not_dicom = 0;
+  let unreadable = 0;
+  let next = 0;
+  let done = 0;
+  const worker = async () => {
+    while (next < files.length && !stopped()) {
+      const index = next++;
+      const file = files[index];
+      if (!file) continue;
+      const read = await read_file_header(file, index);
+      if (read.kind === "header") headers.push(read.header);
+      else if (read.kind === "not_dicom") not_dicom += 1;
+      else unreadable += 1;
+      progress(++done, files.length);
+    }
+  };
+  await Promise.all(Array.from({ length: at_once }, worker));
+  headers.sort((a, b) => a.file - b.file); // whatever order the disk gave them in
+  const series: Series[] = [];
+  for (const [key, slices] of by_series(headers)) series.push(await series_of(key, slices, files));
+  series.sort(by_use);
+  return { series, not_dicom, unreadable, files: files.length };
+}
+
+/** Two patients on one disc are listed apart, even where a faulty device gave them one series. */
+function by_series(headers: readonly SliceHeader[]): Map<string, SliceHeader[]> {
+  const groups = new Map<string, SliceHeader[]>();
+  for (const header of headers) {
+    if (header.sop_class === media_directory) continue; // DICOMDIR: never trusted, never shown
+    const key = `${header.patient.id}\n${header.patient.name}\n${header.study_uid}\n${header.series_uid}`;
+    const group = groups.get(key);
+    if (group) group.push(header);
+    else groups.set(key, [header]);
+  }
+  return groups;
+}
+
+const media_directory = "1.2.840.10008.1.3.10";
+
+async function series_of(key: string, slices: readonly SliceHeader[], files: readonly Blob[]): Promise<Series> {
+  const first = slices[0];
+  const verdict = judge(slices);
+  const chosen = verdict.suitable ? new Map(slices.map((slice) => [slice.file, slice])) : null;
+  const ordered = verdict.suitable ? verdict.files.flatMap((file) => chosen?.get(file) ?? []) : slices;
+  return {
+    key,
+    description: first?.description ?? "",
+    body_part: first?.body_part ?? "",
+    modality: first?.modality ?? "",
+    series_number: first?.series_number ?? null,
+    patient: first?.patient ?? { name: "", id: "", birth_date: "" },
+    slices: ordered.length,
+    verdict,
+    thumbnail: verdict.suitable ? await middle_slice(ordered, files) : null,
+    fingerprint: fingerprint(ordered),
+  };
+}
+
+async function middle_slice(ordered: readonly SliceHeader[], files: readonly Blob[]): Promise<Thumbnail | null> {
+  const slice = ordered[Math.floor(ordered.length / 2)];
+  const file = slice ? files[slice.file] : undefined;
+  if (!slice?.pixels || !file) return null;
+  try {
+    const { offset, length } = slice.pixels;
+    return draw_thumbnail(slice, await file.slice(offset, offset + length).arrayBuffer());
+  } catch {
+    return null; // no picture is no reason to hide a series
+  }
+}
+
+/** Suitable ones first, the largest of them on top. */
+function by_use(a: Series, b: Series): number {
+  if (a.verdict.suitable !== b.verdict.suitable) return a.verdict.suitable ? -1 : 1;
+  return b.slices - a.slices;
+}

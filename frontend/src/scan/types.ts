@@ -1,0 +1,117 @@
+/** What of one file's header the scan needs. Lives in the browser only; nothing of it is ever sent. */
+export interface SliceHeader {
+  /** Index into the files that were picked. */
+  readonly file: number;
+  readonly file_bytes: number;
+  readonly sop_class: string;
+  readonly sop_uid: string;
+  readonly study_uid: string;
+  readonly series_uid: string;
+  readonly transfer_syntax: string;
+  readonly modality: string;
+  readonly image_type: readonly string[];
+  readonly patient: Patient;
+  readonly series_number: number | null;
+  readonly description: string;
+  readonly body_part: string;
+  readonly rows: number;
+  readonly columns: number;
+  readonly frames: number;
+  readonly samples: number;
+  readonly photometric: string;
+  readonly bits_allocated: number;
+  readonly bits_stored: number;
+  readonly is_signed: boolean;
+  readonly slope: number;
+  readonly intercept: number;
+  readonly window: { readonly center: number; readonly width: number } | null;
+  /** Between rows, between columns; mm. */
+  readonly pixel_spacing: readonly [number, number] | null;
+  /** Centre of the first pixel; mm, patient's axes (LPS). */
+  readonly position: readonly [number, number, number] | null;
+  /** Directions of a row and of a column. */
+  readonly orientation: readonly [number, number, number, number, number, number] | null;
+  /** Where the voxels are, when they are plain little-endian bytes in the file. */
+  readonly pixels: { readonly offset: number; readonly length: number } | null;
+  /** The file ends before its voxels do. */
+  readonly truncated: boolean;
+}
+
+export interface Patient {
+  readonly name: string;
+  readonly id: string;
+  readonly birth_date: string;
+}
+
+/** Why a series cannot become a volume: the cases of ingest, as keys of the texts. */
+export type Reason =
+  | "not_images"
+  | "screenshots"
+  | "scout"
+  | "views"
+  | "multi_frame"
+  | "no_position"
+  | "one_position"
+  | "time_series"
+  | "mixed"
+  | "missing_slices"
+  | "uneven_spacing"
+  | "tilted"
+  | "unsupported_compression"
+  | "damaged"
+  | "too_few_slices"
+  | "too_short";
+
+export interface Suitable {
+  readonly suitable: true;
+  /** Indices of files, from the first position to the last. */
+  readonly files: readonly number[];
+  readonly bytes: number;
+  /** Voxels along a row, along a column, across slices. */
+  readonly size: readonly [number, number, number];
+  readonly size_mm: readonly [number, number, number];
+  readonly left_out: LeftOut;
+}
+
+/** Files of a good series that do not go into the volume. */
+export interface LeftOut {
+  readonly scouts: number;
+  readonly doubles: number;
+  readonly damaged: number;
+}
+
+export interface Unsuitable {
+  readonly suitable: false;
+  readonly reason: Reason;
+  /** How many, where the reason counts (slices missing, slices there). */
+  readonly count: number;
+}
+
+export interface Thumbnail {
+  readonly width: number;
+  readonly height: number;
+  /** One byte a pixel, 0 black to 255 white. */
+  readonly gray: Uint8Array<ArrayBuffer>;
+}
+
+export interface Series {
+  readonly key: string;
+  readonly description: string;
+  readonly body_part: string;
+  readonly modality: string;
+  readonly series_number: number | null;
+  readonly patient: Patient;
+  readonly slices: number;
+  readonly verdict: Suitable | Unsuitable;
+  readonly thumbnail: Thumbnail | null;
+  /** The same for the same files, and tells nothing about them. */
+  readonly fingerprint: string;
+}
+
+export interface ScanResult {
+  readonly series: readonly Series[];
+  /** Files that are no DICOM, or could not be read. */
+  readonly not_dicom: number;
+  readonly unreadable: number;
+  readonly files: number;
+}
