@@ -1,5 +1,5 @@
--- The workers that live and do not drain. ARGV: protocol epoch.
--- Returns {{worker, address, incarnation, slots, used, volumes}, ...}.
+-- The workers that live. ARGV: protocol epoch.
+-- Returns {{worker, address, incarnation, slots, used, draining, volumes}, ...}.
 
 local found = {}
 for _, worker in ipairs(redis.call('SMEMBERS', 'diaphane:workers')) do
@@ -7,8 +7,8 @@ for _, worker in ipairs(redis.call('SMEMBERS', 'diaphane:workers')) do
                        'address', 'incarnation', 'slots', 'used', 'volumes', 'epoch', 'draining')
   if not w[1] then
     redis.call('SREM', 'diaphane:workers', worker)
-  elseif w[6] == ARGV[1] and w[7] ~= '1' then
-    found[#found + 1] = {worker, w[1], w[2] or '', w[3] or '0', w[4] or '0', w[5] or ''}
+  elseif w[6] == ARGV[1] then
+    found[#found + 1] = {worker, w[1], w[2] or '', w[3] or '0', w[4] or '0', w[7] or '0', w[5] or ''}
   end
 end
 return found

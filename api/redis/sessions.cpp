@@ -150,7 +150,7 @@ Result<std::vector<WorkerInfo>> Sessions::alive() {
   std::vector<WorkerInfo> workers;
   for (const Reply& one : reply->list) {
     workers.push_back({one.at(0), one.at(1), one.at(2), number<std::uint32_t>(one.at(3)),
-                       number<std::uint32_t>(one.at(4)), split(one.at(5))});
+                       number<std::uint32_t>(one.at(4)), one.at(5) == "1", split(one.at(6))});
   }
   return workers;
 }

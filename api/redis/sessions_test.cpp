@@ -95,7 +95,20 @@ TEST_F(SessionsTest, ADrainingWorkerAnotherProtocolAndAVanishedOneAreNeverChosen
   EXPECT_EQ(sessions_.place(request()).error().code, ErrorCode::kUnavailable);
   announce({.id = "good", .slots = 1});
   EXPECT_EQ(sessions_.place(request())->worker_id, "good");
-  EXPECT_THAT(*sessions_.alive(), testing::SizeIs(1));
+}
+
+TEST_F(SessionsTest, TheLivingWorkersAreListedWithWhatTheySaid) {
+  announce({.id = "a", .slots = 3, .volumes = "x,y", .draining = "1"});
+  announce({.id = "older", .epoch = "0"});
+  announce({.id = "vanished"});
+  vanish("vanished");
+  const auto alive = sessions_.alive();
+  ASSERT_TRUE(alive);
+  ASSERT_EQ(alive->size(), 1u);
+  EXPECT_EQ((*alive)[0].address, "a:8085");
+  EXPECT_EQ((*alive)[0].slots, 3u);
+  EXPECT_TRUE((*alive)[0].draining);
+  EXPECT_THAT((*alive)[0].volumes, ElementsAre("x", "y"));
 }
 
 TEST_F(SessionsTest, EightPlacersAtOnceNeverOverCommit) {

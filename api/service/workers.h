@@ -9,12 +9,13 @@
 
 namespace diaphane::api {
 
-/// A render worker that lives and takes work, as its last heartbeat said.
+/// A render worker that lives, as its last heartbeat said.
 struct WorkerInfo {
   std::string id;
   std::string address;      ///< host:port of its gRPC
   std::string incarnation;  ///< random, new at each start
   std::uint32_t slots = 0, used = 0;
+  bool draining = false;             ///< takes no more work
   std::vector<std::string> volumes;  ///< ids of those that it has loaded
 };
 
