@@ -8,16 +8,10 @@
 
 #include "api/proto/scene.pb.h"
 #include "common/result.h"
-#include "renderd/scene/canvas.h"
+#include "renderd/film/canvas.h"
 #include "volume/volume.h"
 
 namespace diaphane::render {
-
-struct Canvas {
-  std::uint32_t width = 0;
-  std::uint32_t height = 0;
-  friend bool operator==(const Canvas&, const Canvas&) = default;
-};
 
 /// sRGB-like display picture: 8 bits, interleaved RGB, rows from the top, no padding.
 struct PictureRgb8 {

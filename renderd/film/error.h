@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "renderd/film/canvas.h"
 #include "renderd/film/film.h"
 #include "renderd/film/tone.h"
 
@@ -23,17 +24,28 @@ namespace diaphane::render {
 inline constexpr std::uint32_t kTileSize =
     16;  ///< pixels; the error is known per tile of this edge
 
-/// Histogram of radiance for the percentile: 16 steps an octave from 2^-32 to 2^32; a step is 4.4%.
+/// Histogram of radiance for the percentile: 16 steps an octave from 2^-32 to 2^32, by the bits of
+/// the float.
 inline constexpr std::uint32_t kWhiteBins = 1024;
 
 HOST_DEVICE std::uint32_t white_bin(float radiance) {
-  if (!(radiance > 0x1p-32f)) return 0;
-  const float bin = (log2f(radiance) + 32.0f) * 16.0f;
-  return smaller(static_cast<std::uint32_t>(smaller(bin, 1e6f)), kWhiteBins - 1);
+  union Bits {
+    float f;
+    std::uint32_t u;
+  } const b{smaller(larger(radiance, 0x1p-32f), 0x1.fp31f)};
+  return (b.u >> 19) - ((127u - 32u) << 4);
 }
 
+struct WhiteHistogram {
+  std::uint64_t counts[kWhiteBins] = {};
+};
+
+/// Adds the pixels [first, last) that met contents, each with its three colours.
+void count_white(const ConstFilmView& film, std::uint64_t first, std::uint64_t last,
+                 std::uint64_t samples, WhiteHistogram& histogram);
+
 /// The value below which 99% of the counts lie; 1 when there are none or all are black.
-float white_from_histogram(const std::uint64_t (&counts)[kWhiteBins]);
+float white_from_histogram(const WhiteHistogram& histogram);
 
 HOST_DEVICE float squared_error(float mean, float deviation, float inverse_white) {
   const float difference =
@@ -56,15 +68,14 @@ struct ErrorMap {
   std::uint32_t tiles_x = 0, tiles_y = 0;
   std::vector<TileError> tiles;  ///< rows from the top
   float white = 1;
-  /// Of the whole picture: infinity below two samples, 0 when no pixel meets contents.
-  double error = 0;
 };
 
-/// sqrt of the mean over the tiles' pixels and colours.
-double total_error(const std::vector<TileError>& tiles, std::uint64_t samples);
+/// On the host; one tile. An engine spreads the tiles over its threads.
+TileError tile_error(const ConstFilmView& film, Canvas size, std::uint32_t tile_x,
+                     std::uint32_t tile_y, std::uint64_t samples, float white);
 
-/// On the host, one thread.
-ErrorMap estimate_error(const ConstFilmView& film, std::uint32_t width, std::uint32_t height,
-                        std::uint64_t samples);
+/// Of the whole picture, sqrt of the mean over the tiles' pixels and colours: infinity below two
+/// samples, 0 when no pixel meets contents.
+double total_error(const std::vector<TileError>& tiles, std::uint64_t samples);
 
 }  // namespace diaphane::render

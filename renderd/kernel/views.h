@@ -52,7 +52,7 @@ struct Box {
 struct GridView {
   const CellBounds* cells;  ///< x fastest
   Int3 size;                ///< in cells
-  Box occupied;  ///< around all cells whose majorant is not 0; low > high when there are none
+  Box occupied;  ///< around all cells whose majorant is not 0; low == high when there are none
 };
 
 /// One-sided: it shines to the side of `normal`.

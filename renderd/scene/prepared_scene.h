@@ -6,9 +6,9 @@
 
 #include "api/proto/scene.pb.h"
 #include "common/result.h"
+#include "renderd/film/canvas.h"
 #include "renderd/kernel/features.h"
 #include "renderd/kernel/views.h"
-#include "renderd/scene/canvas.h"
 #include "renderd/scene/grid.h"
 #include "renderd/scene/transfer.h"
 #include "volume/volume.h"

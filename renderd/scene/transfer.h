@@ -28,9 +28,12 @@ struct Material {
 };
 Material material_at(const diaphane::v1::TransferFunction& function, double value);
 
-/// `function` has passed check_scene.
+/// `function` has passed check_scene; `size` in voxels.
+///
+/// The tables span the volume's values with a node per 2^-k of a value unit: k = 0 for a CT's 12
+/// bits, coarser for wider ranges (8192 nodes), finer where two points of a curve are closer than
+/// two nodes (65536 nodes at most). A jump at a channel's end becomes a ramp one node wide.
 PreparedTransfer prepare_transfer(const diaphane::v1::TransferFunction& function,
-                                  const ValueGrid& grid, Int3 size, std::int32_t minimum,
-                                  std::int32_t maximum);
+                                  const ValueGrid& grid, Int3 size);
 
 }  // namespace diaphane::render

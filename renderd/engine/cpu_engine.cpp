@@ -1,0 +1,185 @@
+#include "renderd/engine/cpu_engine.h"
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+#include <string>
+#include <utility>
+
+#include "renderd/engine/cpu_film.h"
+#include "renderd/engine/cpu_kernel.h"
+#include "renderd/engine/thread_pool.h"
+#include "renderd/scene/prepared_scene.h"
+
+namespace diaphane::render {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Pixels along a tile's edge: a unit of work, small enough that the last ones end together.
+constexpr std::uint32_t kWorkTile = 16;
+
+class CpuVolume final : public DeviceVolume {
+ public:
+  explicit CpuVolume(const volume::Volume& volume)
+      : header_(volume.header),
+        voxels_(volume.voxels),
+        grid_(make_value_grid(voxels_, size_of(header_))) {}
+
+  const volume::Header& header() const override { return header_; }
+  std::uint64_t device_bytes() const override {
+    return voxels_.size() * sizeof(voxels_[0]) + grid_.ranges.size() * sizeof(ValueRange);
+  }
+  const ValueGrid& grid() const { return grid_; }
+  CpuVolumeView view() const { return {voxels_.data(), size_of(header_)}; }
+
+ private:
+  volume::Header header_;
+  std::vector<std::int16_t> voxels_;
+  ValueGrid grid_;
+};
+
+/// A scene as set, and the film that belongs to it.
+struct Picture {
+  Picture(diaphane::v1::Scene s, PreparedScene p, CpuFilm f)
+      : scene(std::move(s)), prepared(std::move(p)), film(std::move(f)) {}
+
+  diaphane::v1::Scene scene;
+  PreparedScene prepared;
+  CpuFilm film;
+  double seconds = 0;
+};
+
+class CpuFrameRenderer final : public FrameRenderer {
+ public:
+  CpuFrameRenderer(std::shared_ptr<ThreadPool> pool, std::shared_ptr<const CpuVolume> volume,
+                   std::uint64_t seed, std::uint64_t first_sample)
+      : pool_(std::move(pool)),
+        volume_(std::move(volume)),
+        seed_(seed),
+        first_sample_(first_sample) {}
+
+  Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override {
+    auto prepared = prepare_scene(scene, canvas, volume_->header(), volume_->grid(),
+                                  picture_ ? &picture_->prepared : nullptr,
+                                  picture_ ? &picture_->scene : nullptr);
+    if (!prepared) return tl::unexpected(prepared.error());
+    try {
+      picture_ = std::make_unique<Picture>(scene, *std::move(prepared), CpuFilm(*pool_, canvas));
+    } catch (const std::bad_alloc&) {
+      return fail(ErrorCode::kOutOfMemory, "no memory for a picture of this size", "canvas");
+    }
+    return {};
+  }
+
+  Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) override {
+    if (!picture_) return no_scene();
+    const auto begin = Clock::now();
+    Batch batch;
+    while (batch.samples < samples && one_sample(stop)) {
+      batch.dropped_samples += picture_->film.fold();
+      ++batch.samples;
+    }
+    batch.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    picture_->seconds += batch.seconds;
+    return batch;
+  }
+
+  Progress progress() const override {
+    if (!picture_) return {};
+    return {picture_->film.count(), picture_->seconds, picture_->film.error()};
+  }
+
+  Result<void> display(PictureRgb8& out) override {
+    if (!picture_) return no_scene();
+    picture_->film.display(picture_->prepared.exposure_scale, out);
+    return {};
+  }
+
+  Result<void> radiance(PictureRgbF& out) override {
+    if (!picture_) return no_scene();
+    picture_->film.radiance(out);
+    return {};
+  }
+
+  std::vector<std::string> features() const override {
+    std::vector<std::string> names;
+    for (std::uint32_t i = 0; picture_ && i < kFeatureCount; ++i) {
+      if (picture_->prepared.features.has(static_cast<Feature>(i))) {
+        names.emplace_back(kFeatureNames[i]);
+      }
+    }
+    return names;
+  }
+
+ private:
+  static tl::unexpected<Error> no_scene() {
+    return fail(ErrorCode::kInvalid, "a scene must be set before anything is rendered", "scene");
+  }
+
+  /// Fills the film's samples; false when stopped, and then they are good for nothing.
+  bool one_sample(const std::function<bool()>& stop) {
+    const PreparedScene& s = picture_->prepared;
+    const PreparedTransfer& t = *s.transfer;
+    const CpuScene view = view_of(s, volume_->view(), t.extinction.data(), t.colour.data(),
+                                  t.bounds.data(), s.rectangles.data(), seed_);
+    const CpuKernel kernel = cpu_kernel(s.features);
+    const Canvas size = s.canvas;
+    const std::uint32_t tiles_x = (size.width + kWorkTile - 1) / kWorkTile;
+    const std::uint32_t tiles_y = (size.height + kWorkTile - 1) / kWorkTile;
+    const std::uint64_t sample = first_sample_ + picture_->film.count();
+    Sample* samples = picture_->film.samples();
+    return pool_->run(
+        tiles_x * tiles_y,
+        [&](std::uint32_t tile) {
+          const std::uint32_t x = tile % tiles_x * kWorkTile, y = tile / tiles_x * kWorkTile;
+          kernel(view, CpuTile{x, y, std::min(x + kWorkTile, size.width),
+                               std::min(y + kWorkTile, size.height), sample, samples});
+        },
+        stop);
+  }
+
+  std::shared_ptr<ThreadPool> pool_;
+  std::shared_ptr<const CpuVolume> volume_;
+  std::uint64_t seed_;
+  std::uint64_t first_sample_;
+  std::unique_ptr<Picture> picture_;
+};
+
+class CpuEngine final : public Engine {
+ public:
+  explicit CpuEngine(unsigned threads) : pool_(std::make_shared<ThreadPool>(threads)) {}
+
+  EngineInfo info() const override {
+    return {"cpu", std::to_string(pool_->threads()) + " CPU threads (" + cpu_instructions() + ")",
+            0};
+  }
+
+  Result<std::shared_ptr<const DeviceVolume>> load(const volume::Volume& volume) override {
+    if (auto checked = check_volume(volume); !checked) return tl::unexpected(checked.error());
+    try {
+      return std::make_shared<const CpuVolume>(volume);
+    } catch (const std::bad_alloc&) {
+      return fail(ErrorCode::kOutOfMemory, "no memory for a volume of this size");
+    }
+  }
+
+  Result<std::unique_ptr<FrameRenderer>> renderer(std::shared_ptr<const DeviceVolume> volume,
+                                                  std::uint64_t seed,
+                                                  std::uint64_t first_sample) override {
+    auto mine = std::dynamic_pointer_cast<const CpuVolume>(std::move(volume));
+    if (!mine) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
+    return std::make_unique<CpuFrameRenderer>(pool_, std::move(mine), seed, first_sample);
+  }
+
+ private:
+  std::shared_ptr<ThreadPool> pool_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_cpu_engine(unsigned threads) {
+  return std::make_unique<CpuEngine>(threads);
+}
+
+}  // namespace diaphane::render

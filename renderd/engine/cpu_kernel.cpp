@@ -1,0 +1,27 @@
+#include "renderd/engine/cpu_kernel.h"
+
+namespace diaphane::render {
+namespace {
+
+bool has_avx2() {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+         __builtin_cpu_supports("bmi2");
+#else
+  return false;
+#endif
+}
+
+}  // namespace
+
+CpuKernel cpu_kernel(Features features) {
+  static const bool avx2 = has_avx2();
+#if defined(__x86_64__)
+  if (avx2) return cpu_kernel_avx2(features);
+#endif
+  return cpu_kernel_baseline(features);
+}
+
+const char* cpu_instructions() { return has_avx2() ? "AVX2" : "baseline"; }
+
+}  // namespace diaphane::render

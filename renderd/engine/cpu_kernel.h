@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+
+#include "renderd/kernel/estimator.h"
+
+namespace diaphane::render {
+
+/// One sample of each pixel of a tile.
+struct CpuTile {
+  std::uint32_t x0, y0, x1, y1;  ///< pixels [x0, x1) x [y0, y1)
+  std::uint64_t sample;          ///< number in the random stream
+  Sample* samples;               ///< of the whole picture, rows from the top
+};
+
+using CpuVolumeView = LinearVolume;
+using CpuScene = SceneView<CpuVolumeView>;
+using CpuKernel = void (*)(const CpuScene&, const CpuTile&);
+
+/// The kernel compiled for a set of features and for this processor's instructions.
+CpuKernel cpu_kernel(Features features);
+/// "AVX2" or "baseline", for reports.
+const char* cpu_instructions();
+
+/// The same sources compiled twice (cpu_kernel_avx2.cpp, cpu_kernel_baseline.cpp).
+CpuKernel cpu_kernel_baseline(Features features);
+CpuKernel cpu_kernel_avx2(Features features);
+
+}  // namespace diaphane::render

@@ -1,0 +1,7 @@
+#include "renderd/engine/cpu_kernel.inc"
+
+namespace diaphane::render {
+
+CpuKernel cpu_kernel_avx2(Features features) { return kKernels[features]; }
+
+}  // namespace diaphane::render

@@ -1,0 +1,154 @@
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "renderd/math/vector.h"
+#include "renderd/scene/presets.h"
+
+namespace diaphane::render {
+namespace {
+
+constexpr int kMostChannels = 64;
+constexpr int kMostPoints = 1024;
+constexpr int kMostLights = 256;
+constexpr double kLongestDistance = 1e7;  // mm
+constexpr double kBrightest = 1e15;
+constexpr double kDensest = 1e7;  // per mm
+
+/// The first thing wrong, or nothing. Fields are named as in the JSON form.
+using Complaint = std::optional<Error>;
+
+Complaint complain(std::string field, std::string what) {
+  return Error{ErrorCode::kInvalid, field + " " + what, std::move(field)};
+}
+
+/// NaN fails every comparison, so each check asks for what is right, never for what is wrong.
+Complaint in_range(double value, double low, double high, const std::string& field,
+                   const char* what) {
+  if (value >= low && value <= high) return {};
+  return complain(field, what);
+}
+
+Complaint check(const diaphane::v1::Vec3& v, const std::string& field) {
+  const std::pair<const char*, double> parts[] = {{".x", v.x()}, {".y", v.y()}, {".z", v.z()}};
+  for (const auto& [name, value] : parts) {
+    if (auto c = in_range(value, -kLongestDistance, kLongestDistance, field + name,
+                          "must be a number within 1e7 mm")) {
+      return c;
+    }
+  }
+  return {};
+}
+
+Complaint check(const diaphane::v1::Rgb& v, double most, const std::string& field,
+                const char* what) {
+  const std::pair<const char*, double> parts[] = {{".r", v.r()}, {".g", v.g()}, {".b", v.b()}};
+  for (const auto& [name, value] : parts) {
+    if (auto c = in_range(value, 0, most, field + name, what)) return c;
+  }
+  return {};
+}
+
+Double3 vector_of(const diaphane::v1::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+Complaint check(const diaphane::v1::Channel& channel, const std::string& field) {
+  if (channel.opacity_size() < 2 || channel.opacity_size() > kMostPoints) {
+    return complain(field + ".opacity", "needs 2 to 1024 points");
+  }
+  for (int i = 0; i < channel.opacity_size(); ++i) {
+    const std::string point = field + ".opacity[" + std::to_string(i) + "]";
+    const auto& p = channel.opacity(i);
+    if (auto c = in_range(p.value(), -1e9, 1e9, point + ".value", "must be a number within 1e9")) {
+      return c;
+    }
+    if (auto c = in_range(p.opacity(), 0, 1, point + ".opacity", "must be from 0 to 1")) return c;
+    if (i > 0 && !(p.value() > channel.opacity(i - 1).value())) {
+      return complain(point + ".value", "must be above the point before it");
+    }
+  }
+  return check(channel.diffuse(), 1, field + ".diffuse", "must be from 0 to 1");
+}
+
+Complaint check(const diaphane::v1::TransferFunction& function) {
+  const std::string field = "transferFunction";
+  if (function.channels_size() == 0 || function.channels_size() > kMostChannels) {
+    return complain(field + ".channels", "needs 1 to 64 channels");
+  }
+  for (int i = 0; i < function.channels_size(); ++i) {
+    if (auto c = check(function.channels(i), field + ".channels[" + std::to_string(i) + "]")) {
+      return c;
+    }
+  }
+  return in_range(function.extinction_per_mm(), 0, kDensest, field + ".extinctionPerMm",
+                  "must be from 0 to 1e7 per mm");
+}
+
+Complaint check(const diaphane::v1::RectangleLight& light, const std::string& field) {
+  if (auto c = check(light.corner(), field + ".corner")) return c;
+  if (auto c = check(light.u(), field + ".u")) return c;
+  if (auto c = check(light.v(), field + ".v")) return c;
+  const Double3 u = vector_of(light.u()), v = vector_of(light.v());
+  if (!(length(u) >= 1e-6)) return complain(field + ".u", "must be at least 1e-6 mm long");
+  if (!(length(v) >= 1e-6)) return complain(field + ".v", "must be at least 1e-6 mm long");
+  if (!(length(cross(u, v)) > 1e-6 * length(u) * length(v))) {
+    return complain(field + ".v", "must not be parallel to u");
+  }
+  return check(light.radiance(), kBrightest, field + ".radiance", "must be from 0 to 1e15");
+}
+
+Complaint check(const diaphane::v1::Light& light, const std::string& field) {
+  switch (light.shape_case()) {
+    case diaphane::v1::Light::kRectangle:
+      return check(light.rectangle(), field + ".rectangle");
+    case diaphane::v1::Light::kEnvironment:
+      return check(light.environment().radiance(), kBrightest, field + ".environment.radiance",
+                   "must be from 0 to 1e15");
+    case diaphane::v1::Light::SHAPE_NOT_SET:
+      break;
+  }
+  return complain(field, "needs a shape");
+}
+
+Complaint check(const diaphane::v1::Camera& camera) {
+  if (auto c = check(camera.eye(), "camera.eye")) return c;
+  if (auto c = check(camera.target(), "camera.target")) return c;
+  if (auto c = check(camera.up(), "camera.up")) return c;
+  const Double3 back = vector_of(camera.eye()) - vector_of(camera.target());
+  const Double3 up = vector_of(camera.up());
+  if (!(length(back) >= 1e-6)) return complain("camera.target", "must not be where the eye is");
+  if (!(length(cross(up, back)) > 1e-9 * length(up) * length(back))) {
+    return complain("camera.up", "must be a direction other than the view's");
+  }
+  return in_range(camera.vertical_fov_degrees(), 1e-3, 179.9, "camera.verticalFovDegrees",
+                  "must be from 0.001 to 179.9 degrees");
+}
+
+Complaint check(const diaphane::v1::Display& display) {
+  if (auto c =
+          in_range(display.exposure(), -64, 64, "display.exposure", "must be from -64 to 64")) {
+    return c;
+  }
+  return check(display.background(), kBrightest, "display.background", "must be from 0 to 1e15");
+}
+
+Complaint first_complaint(const diaphane::v1::Scene& scene) {
+  if (auto c = check(scene.transfer_function())) return c;
+  if (scene.lights_size() > kMostLights) return complain("lights", "may be 256 at most");
+  for (int i = 0; i < scene.lights_size(); ++i) {
+    if (auto c = check(scene.lights(i), "lights[" + std::to_string(i) + "]")) return c;
+  }
+  if (!scene.has_camera()) return complain("camera", "is missing");
+  if (auto c = check(scene.camera())) return c;
+  const double g = scene.phase().g();
+  if (!(g > -1 && g < 1)) return complain("phase.g", "must lie between -1 and 1");
+  return check(scene.display());
+}
+
+}  // namespace
+
+Result<void> check_scene(const diaphane::v1::Scene& scene) {
+  if (auto complaint = first_complaint(scene)) return tl::unexpected(*std::move(complaint));
+  return {};
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,111 @@
+#include "renderd/scene/grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace diaphane::render {
+namespace {
+
+constexpr ValueRange kNothing{std::numeric_limits<std::int16_t>::max(),
+                              std::numeric_limits<std::int16_t>::min()};
+
+void include(ValueRange& range, ValueRange other) {
+  range.minimum = std::min(range.minimum, other.minimum);
+  range.maximum = std::max(range.maximum, other.maximum);
+}
+
+/// The cells whose dilated extent, voxels [8i - 1, 8i + 8], holds voxel `v`.
+struct CellsOfVoxel {
+  std::int32_t first, last;
+};
+CellsOfVoxel cells_of(std::int32_t v, std::int32_t cells) {
+  return {std::max((v - 1) >> kCellShift, 0), std::min((v + 1) >> kCellShift, cells - 1)};
+}
+
+/// Ranges along one row of voxels, cell by cell.
+void row_ranges(const std::int16_t* row, std::int32_t size, std::span<ValueRange> out) {
+  for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(out.size()); ++cell) {
+    const std::int32_t first = std::max(cell * kCellSize - 1, 0);
+    const std::int32_t last = std::min(cell * kCellSize + kCellSize, size - 1);
+    ValueRange range = kNothing;
+    for (std::int32_t x = first; x <= last; ++x) include(range, {row[x], row[x]});
+    out[static_cast<std::size_t>(cell)] = range;
+  }
+}
+
+bool is_rotation(const std::array<double, 9>& d) {
+  for (double value : d) {
+    if (!std::isfinite(value)) return false;
+  }
+  constexpr double kTolerance = 1e-4;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      double product = 0;
+      for (int k = 0; k < 3; ++k) product += d[3 * k + i] * d[3 * k + j];
+      if (std::abs(product - (i == j ? 1.0 : 0.0)) > kTolerance) return false;
+    }
+  }
+  const double determinant = d[0] * (d[4] * d[8] - d[5] * d[7]) -
+                             d[1] * (d[3] * d[8] - d[5] * d[6]) +
+                             d[2] * (d[3] * d[7] - d[4] * d[6]);
+  return determinant > 0;
+}
+
+}  // namespace
+
+Int3 size_of(const volume::Header& header) {
+  return {static_cast<std::int32_t>(header.size[0]), static_cast<std::int32_t>(header.size[1]),
+          static_cast<std::int32_t>(header.size[2])};
+}
+
+Result<void> check_volume(const volume::Volume& volume) {
+  const volume::Header& h = volume.header;
+  for (std::uint32_t n : h.size) {
+    if (n == 0 || n > kLongestAxis) {
+      return fail(ErrorCode::kInvalid, "a volume's axis has 1 to 8192 voxels", "size");
+    }
+  }
+  if (h.voxel_count() != volume.voxels.size()) {
+    return fail(ErrorCode::kInvalid, "the number of voxels is not that of the header", "size");
+  }
+  for (double s : h.spacing) {
+    if (!std::isfinite(s) || s < 1e-6 || s > 1e6) {
+      return fail(ErrorCode::kInvalid, "the spacing must be from 1e-6 to 1e6 mm", "spacing");
+    }
+  }
+  if (!is_rotation(h.direction)) {
+    return fail(ErrorCode::kInvalid, "the direction must be a rotation", "direction");
+  }
+  return {};
+}
+
+ValueGrid make_value_grid(std::span<const std::int16_t> voxels, Int3 size) {
+  const auto cells_along = [](std::int32_t n) { return (n + kCellSize - 1) >> kCellShift; };
+  ValueGrid grid;
+  grid.cells = {cells_along(size.x), cells_along(size.y), cells_along(size.z)};
+  const auto cells_x = static_cast<std::size_t>(grid.cells.x);
+  grid.ranges.assign(
+      cells_x * static_cast<std::size_t>(grid.cells.y) * static_cast<std::size_t>(grid.cells.z),
+      kNothing);
+  std::vector<ValueRange> row(cells_x);
+  for (std::int32_t z = 0; z < size.z; ++z) {
+    const CellsOfVoxel along_z = cells_of(z, grid.cells.z);
+    for (std::int32_t y = 0; y < size.y; ++y) {
+      const CellsOfVoxel along_y = cells_of(y, grid.cells.y);
+      row_ranges(voxels.data() + size.x * (y + std::int64_t{size.y} * z), size.x, row);
+      for (std::int32_t cz = along_z.first; cz <= along_z.last; ++cz) {
+        for (std::int32_t cy = along_y.first; cy <= along_y.last; ++cy) {
+          ValueRange* target =
+              grid.ranges.data() + grid.cells.x * (cy + std::int64_t{grid.cells.y} * cz);
+          for (std::size_t cx = 0; cx < cells_x; ++cx) include(target[cx], row[cx]);
+        }
+      }
+    }
+  }
+  grid.whole = kNothing;
+  for (ValueRange range : grid.ranges) include(grid.whole, range);
+  return grid;
+}
+
+}  // namespace diaphane::render
