@@ -82,7 +82,12 @@ def build_programs(*names: str) -> None:
 
 # The page
 
-_PAGE_INPUTS = ("src", "public", "index.html", "package.json", "package-lock.json", "tsconfig.json", "vite.config.ts")
+def _page_inputs() -> list[Path]:
+    generated = paths.FRONTEND / "src" / "protocol" / "gen"
+    patterns = ("src/**/*", "public/**/*", "dev/*.mjs", "*.json", "*.ts", "*.js", "*.html")
+    files = {file for pattern in patterns for file in paths.FRONTEND.glob(pattern) if file.is_file()}
+    return sorted(file for file in files if generated not in file.parents) + sorted(
+        (paths.REPO / "api" / "proto").glob("*.proto"))
 
 
 def npm(*words: str, env: dict[str, str] | None = None) -> subprocess.CompletedProcess:
@@ -107,11 +112,7 @@ def build_page() -> None:
     if not (paths.FRONTEND / "package.json").exists():
         raise HouseError("this checkout has no frontend/package.json: there is no page to build")
     npm_install()
-    generated = paths.FRONTEND / "src" / "protocol" / "gen"
-    inputs = [p for p in sorted(paths.FRONTEND.glob("src/**/*")) if generated not in p.parents]
-    inputs += [paths.FRONTEND / name for name in _PAGE_INPUTS if name != "src"]
-    wanted = stamp.digest([*inputs, *sorted(paths.FRONTEND.glob("*.[cm]js")), *sorted(paths.FRONTEND.glob("scripts/*")),
-                           *sorted((paths.REPO / "api" / "proto").glob("*.proto"))])
+    wanted = stamp.digest(_page_inputs())
     if (paths.FRONTEND / "dist" / "index.html").exists() and stamp.is_current("page", wanted):
         return
     step("Building the page")

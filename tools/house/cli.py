@@ -56,6 +56,7 @@ def _parser() -> argparse.ArgumentParser:
     test = command("test", _test, "build and run the tests; the last line is `N passed, N failed`")
     test.add_argument("kind", nargs="?", choices=("unit", "integration", "e2e", "gpu"))
     test.add_argument("--no-install", action="store_true", help="only list what is missing; go on when nothing is")
+    test.add_argument("--checks", action="store_true", help="with what ./diaphane check does, each counted as a test")
     check = command("check", _check, "format, clang-tidy, link rules, types, lint, contracts")
     check.add_argument("--fix", action="store_true", help="let clang-format and eslint mend what they can")
     check.add_argument("--only", metavar="NAME", action="append", help="only this check (repeatable)")
@@ -114,7 +115,7 @@ def _status(options: argparse.Namespace, _: list[str]) -> int:
 def _test(options: argparse.Namespace, _: list[str]) -> int:
     from . import testing
 
-    return testing.run(options.kind, may_install=not options.no_install)
+    return testing.run(options.kind, may_install=not options.no_install, with_checks=options.checks)
 
 
 def _check(options: argparse.Namespace, _: list[str]) -> int:

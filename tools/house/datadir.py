@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+import re
 import secrets
 from pathlib import Path
 
@@ -16,6 +17,8 @@ from .users import RunAs
 
 def prepare(data: Path, run_as: RunAs) -> None:
     """Makes what is missing, owned by the ordinary user. An existing foreign directory is refused, not taken over."""
+    if not re.fullmatch(r"[\w./@+~-]+", str(data)):
+        raise HouseError(f"{data}: a data directory's path may hold only letters, digits and ./@+~-_ (nginx reads it)")
     if data.exists() and not data.is_dir():
         raise HouseError(f"{data} is not a directory")
     if data.is_dir() and any(data.iterdir()) and not (data / "secrets").is_dir():

@@ -1,0 +1,188 @@
+"""Laws of the house's pure parts: they start nothing, so they run in milliseconds."""
+
+from __future__ import annotations
+
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
+
+from house import contracts, filelint, linkrules, logfiles, packages, plan, ports, testing  # noqa: E402
+from house.layout import Layout  # noqa: E402
+from house.linkrules import PROGRAM, Graph  # noqa: E402
+
+
+# Ports
+
+def test_free_ports_are_given_as_wanted():
+    given, notes = ports.allot(ports.DEFAULTS, free=lambda port: True)
+    assert given == ports.DEFAULTS
+    assert notes == []
+
+
+def test_a_taken_port_is_named_and_the_next_free_one_given():
+    given, notes = ports.allot({"edge": 8080}, free=lambda port: port not in (8080, 8081))
+    assert given == {"edge": 8082}
+    assert notes == ["port 8080 (edge) is taken, using 8082"]
+
+
+def test_no_port_is_given_twice_and_no_program_takes_the_default_of_another():
+    given, notes = ports.allot(ports.DEFAULTS, free=lambda port: port != 8080)
+    assert len(set(given.values())) == len(given)
+    assert len(notes) == 1
+    assert {name: port for name, port in given.items() if name != "edge"} == {
+        name: port for name, port in ports.DEFAULTS.items() if name != "edge"}
+
+
+# Packages
+
+def test_missing_packages_are_those_that_dpkg_does_not_have_installed():
+    answer = "git install ok installed\nnginx-light deinstall ok config-files\n"
+    assert packages.missing(["git", "nginx-light", "redis-server"], lambda names: answer) == [
+        "nginx-light", "redis-server"]
+
+
+def test_the_list_of_packages_has_no_comment_and_no_blank_in_it():
+    assert all(name and " " not in name and "#" not in name for name in packages.wanted())
+
+
+# Plan
+
+@pytest.fixture
+def settings():
+    layout = Layout(Path("/p/bin"), Path("/p/dist"), Path("/p/migrations"), Path("/p/edge"))
+    return plan.Settings(data=Path("/d"), ports=dict(ports.DEFAULTS), layout=layout, postgres_password="s3cret")
+
+
+def test_the_password_is_on_no_command_line(settings):
+    assert all("s3cret" not in word for program in plan.programs(settings) for word in program.argv)
+    assert all("s3cret" not in word for word in plan.migrate(settings)[0])
+
+
+def test_only_those_that_need_the_database_get_its_password(settings):
+    holders = {p.name for p in plan.programs(settings) if any("s3cret" in value for value in p.env.values())}
+    assert holders == {"api", "ingestd"}
+
+
+def test_stopping_takes_less_than_five_seconds_at_worst(settings):
+    tiers: dict[int, float] = {}
+    for program in plan.programs(settings):
+        tiers[program.tier] = max(tiers.get(program.tier, 0), program.stop_seconds)
+    assert sum(tiers.values()) < 5
+
+
+def test_every_placeholder_of_the_edges_configuration_is_given(settings):
+    template = (Path(__file__).resolve().parents[2] / "api" / "edge" / "nginx.conf.in").read_text(encoding="utf-8")
+    conf = plan.nginx_conf(settings, template)
+    assert not [line for line in conf.splitlines() if "@" in line and not line.lstrip().startswith("#")
+                and any(f"@{word}@" in line for word in ("LISTEN", "API_PORT", "RUN_DIR", "LOG"))]
+    assert "127.0.0.1:8080" in conf
+
+
+# Logs
+
+def test_a_log_that_grew_too_large_is_moved_on_and_goes_on_empty(tmp_path):
+    log = tmp_path / "api.log"
+    for generation in ("first", "second", "third", "fourth"):
+        log.write_text(generation * 10, encoding="ascii")
+        logfiles.bound(log, limit=8)
+    assert log.read_bytes() == b""
+    assert (tmp_path / "api.log.1").read_text(encoding="ascii").startswith("fourth")
+    assert (tmp_path / "api.log.2").read_text(encoding="ascii").startswith("third")
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+# Link rules
+
+def graph(*links: tuple[str, str], **shapes: str) -> Graph:
+    names = {name for link in links for name in link}
+    return Graph({name: shapes.get(name, "octagon") for name in names}, frozenset(links))
+
+
+def test_an_allowed_link_is_no_violation():
+    assert linkrules.violations(graph(("a", "b")), {"a": ["b"], "b": []}) == []
+
+
+def test_a_link_that_is_not_allowed_is_found():
+    assert len(linkrules.violations(graph(("b", "a")), {"a": ["b"], "b": []})) == 1
+
+
+def test_a_target_without_a_rule_is_found():
+    assert len(linkrules.violations(graph(("a", "new")), {"a": ["new"]})) == 1
+
+
+def test_nothing_links_a_program_not_even_a_test():
+    found = linkrules.violations(graph(("a_test", "a_main"), a_main=PROGRAM), {"a_main": []})
+    assert len(found) == 1
+
+
+def test_a_test_may_link_any_library():
+    assert linkrules.violations(graph(("a_test", "b")), {"b": []}) == []
+
+
+def test_cmakes_drawing_is_read_without_the_libraries_of_others():
+    dot = '''
+    "node0" [ label = "a", shape = octagon ];
+    "node1" [ label = "/usr/lib/libz.so", shape = septagon ];
+    "node2" [ label = "Threads::Threads", shape = pentagon ];
+    "node3" [ label = "b", shape = pentagon ];
+    "node0" -> "node1"  // a -> /usr/lib/libz.so
+    "node0" -> "node2"  // a -> Threads::Threads
+    "node0" -> "node3" [ style = dotted ] // a -> b
+    '''
+    assert linkrules.parse(dot) == Graph({"a": "octagon", "b": "pentagon"}, frozenset({("a", "b")}))
+
+
+def test_a_header_outside_the_folder_that_owns_it_is_found():
+    owners = {"cpprest/": ["api/http"]}
+    text = '#include <cpprest/json.h>\n'
+    assert linkrules.header_violations({"api/http/a.cpp": text}, owners) == []
+    assert len(linkrules.header_violations({"api/service/a.cpp": text}, owners)) == 1
+
+
+# Files and contracts
+
+@pytest.mark.parametrize("line", ["see /ro" "ot/x", "'/ho" "me/ann/scan'", "path=/wo" "rk/main"])
+def test_a_path_of_one_machine_is_found(line):
+    assert len(filelint.violations("a.md", line)) == 1
+
+
+@pytest.mark.parametrize("line", ["${HOME}/home/x is not one", "https://example.org/root/x", "a/work/b"])
+def test_what_only_looks_like_one_is_not(line):
+    assert filelint.violations("a.md", line) == []
+
+
+def test_an_operation_that_does_not_say_how_it_fails_is_found():
+    whole = {"operationId": "a", "summary": "s", "responses": {"200": {}, "default": {}}}
+    assert contracts.style({"paths": {"/a": {"get": whole}}}) == []
+    assert len(contracts.style({"paths": {"/a": {"get": whole | {"responses": {"200": {}}}}}})) == 1
+    assert len(contracts.style({"paths": {"/a": {"get": whole}, "/b": {"get": whole}}})) == 1
+
+
+# Counting
+
+def test_googletest_cases_are_counted_by_their_results():
+    report = {"testsuites": [{"testsuite": [
+        {"status": "RUN", "result": "COMPLETED"},
+        {"status": "RUN", "result": "COMPLETED", "failures": [{}]},
+        {"status": "RUN", "result": "SKIPPED"},
+        {"status": "NOTRUN", "result": "SUPPRESSED"}]}]}
+    assert testing.googletest_count(report) == testing.Count(1, 1, 2)
+
+
+def test_a_program_that_crashed_counts_as_a_failure(tmp_path):
+    assert testing._ctest_count(tmp_path, ["crashed_test"]) == testing.Count(failed=1)
+
+
+def test_a_runner_that_fails_without_a_report_is_a_failure():
+    assert testing.Count(3, 0).at_least_one_failed(1) == testing.Count(3, 1)
+    assert testing.Count(3, 2).at_least_one_failed(1) == testing.Count(3, 2)
+
+
+def test_pytest_cases_are_counted_by_their_results():
+    cases = ElementTree.fromstring(
+        "<s><testcase/><testcase><failure/></testcase><testcase><error/></testcase><testcase><skipped/></testcase></s>")
+    assert testing.pytest_count(list(cases)) == testing.Count(1, 2, 1)

@@ -1,0 +1,83 @@
+"""`./diaphane check`: what a machine can say about the code without running it."""
+
+from __future__ import annotations
+
+import subprocess
+from dataclasses import dataclass
+from typing import Callable
+
+from . import build, contracts, filelint, install, linkrules, paths, tidy
+from .says import HouseError, say, step
+from .testing import Count
+
+
+@dataclass(frozen=True)
+class Check:
+    name: str
+    findings: Callable[[], list[str]]
+
+
+CHECKS = [
+    Check("files", filelint.check),
+    Check("format", lambda: _format(fix=False)),
+    Check("contracts", contracts.check),
+    Check("links", linkrules.check),
+    Check("types", lambda: _npm_check("exec", "--", "tsc", "-b")),
+    Check("lint", lambda: _npm_check("exec", "--", "eslint", ".")),
+    Check("tidy", tidy.check),
+]
+
+
+def run(only: list[str], fix: bool) -> int:
+    unknown = set(only) - {check.name for check in CHECKS}
+    if unknown:
+        raise HouseError(f"no such check: {', '.join(sorted(unknown))}; there are {', '.join(c.name for c in CHECKS)}")
+    install.ensure("check")
+    if fix:
+        _format(fix=True)
+        _npm("exec", "--", "eslint", ".", "--fix")
+    count = _count([check for check in CHECKS if not only or check.name in only])
+    say(f"{count.passed} checks passed, {count.failed} failed")
+    return 1 if count.failed else 0
+
+
+def count() -> Count:
+    """All checks, each counted as a test."""
+    return _count(CHECKS)
+
+
+def _count(checks: list[Check]) -> Count:
+    total = Count()
+    for check in checks:
+        try:
+            findings = check.findings()
+        except HouseError as error:
+            findings = [str(error)]
+        for finding in findings:
+            say(finding)
+        step(f"check {check.name}: {'well' if not findings else f'{len(findings)} findings'}")
+        total += Count(failed=1) if findings else Count(passed=1)
+    return total
+
+
+def _format(fix: bool) -> list[str]:
+    sources = [str(path.relative_to(paths.REPO)) for path in linkrules.cpp_sources()]
+    command = ["clang-format", "-i"] if fix else ["clang-format", "--dry-run", "--Werror"]
+    done = subprocess.run([*command, *sources], cwd=paths.REPO, capture_output=True, text=True)
+    if done.returncode == 0:
+        return []
+    names = sorted({line.split(":")[0] for line in done.stderr.splitlines() if ": error: " in line})
+    return [f"{name}: not as clang-format writes it (./diaphane check --fix)" for name in names] or [done.stderr]
+
+
+def _npm(*words: str) -> subprocess.CompletedProcess | None:
+    if not (paths.FRONTEND / "package.json").exists():
+        return None
+    build.npm_install()
+    generated = build.npm("run", "protocol")
+    return build.npm(*words) if generated.returncode == 0 else generated
+
+
+def _npm_check(*words: str) -> list[str]:
+    done = _npm(*words)
+    return [] if done is None or done.returncode == 0 else [done.stdout.strip()]

@@ -1,0 +1,196 @@
+"""`./diaphane test`: builds, runs the suites from fast to slow, counts their cases, ends with `N passed, N failed`."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable
+
+from . import build, install, paths
+from .says import HouseError, say, step, warn
+
+
+@dataclass(frozen=True)
+class Count:
+    passed: int = 0
+    failed: int = 0
+    skipped: int = 0
+
+    def __add__(self, other: "Count") -> "Count":
+        return Count(self.passed + other.passed, self.failed + other.failed, self.skipped + other.skipped)
+
+    def at_least_one_failed(self, code: int) -> "Count":
+        """A runner that ends with an error has a failure, even when its report knows of none (a crash)."""
+        return Count(self.passed, max(self.failed, 1), self.skipped) if code != 0 else self
+
+    def __str__(self) -> str:
+        return f"{self.passed} passed, {self.failed} failed"
+
+
+@dataclass(frozen=True)
+class Suite:
+    name: str
+    kind: str
+    run: Callable[[Path], Count]   # given a folder for its report
+
+
+def suites() -> list[Suite]:
+    """From fast to slow."""
+    return [
+        Suite("the house", "unit", lambda reports: _pytest("house", reports)),
+        Suite("the page", "unit", _vitest),
+        Suite("C++", "unit", lambda reports: _ctest(["-LE", "gpu"], reports)),
+        Suite("integration", "integration", lambda reports: _pytest("integration", reports)),
+        Suite("end to end", "e2e", lambda reports: _pytest("e2e", reports)),
+        Suite("GPU", "gpu", lambda reports: _ctest(["-L", "gpu"], reports)),
+    ]
+
+
+def run(kind: str | None, may_install: bool = True, with_checks: bool = False) -> int:
+    total = Count()
+    try:
+        _prepare(kind, may_install)
+        if with_checks:
+            from . import check
+
+            total += _report("checks", check.count())
+        _build(kind)
+        reports = _fresh(paths.build_dir() / "reports" / "house")
+        for suite in suites():
+            if suite.kind == kind or (kind is None and suite.kind != "gpu"):
+                total += _report(suite.name, suite.run(reports))
+    except HouseError as error:
+        warn(str(error))
+        total += Count(failed=1)
+    except KeyboardInterrupt:
+        warn("interrupted")
+        total += Count(failed=1)
+    if total.skipped:
+        say(f"{total.skipped} skipped")
+    say(str(total))
+    return 0 if total.failed == 0 and total.passed > 0 else 1
+
+
+def _prepare(kind: str | None, may_install: bool) -> None:
+    # On a machine that has a GPU and nothing else, the renderer's tests are brought along (DIAPHANE_BUILD).
+    if kind != "gpu" or "DIAPHANE_BUILD" not in os.environ:
+        install.ensure("test", may_install)
+
+
+def _build(kind: str | None) -> None:
+    if kind != "gpu" and (paths.FRONTEND / "package.json").exists():
+        build.npm_install()
+        if kind != "unit":
+            build.build_page()
+    if "DIAPHANE_BUILD" in os.environ:
+        say(f"Using what is in {paths.build_dir()} as it is (DIAPHANE_BUILD)")
+    elif kind in ("integration", "e2e"):
+        build.build_programs()
+    else:
+        build.ninja(build.configure(), ["all"])
+
+
+def _report(name: str, count: Count) -> Count:
+    skipped = f", {count.skipped} skipped" if count.skipped else ""
+    step(f"{name}: {count}{skipped}")
+    return count
+
+
+def _fresh(folder: Path) -> Path:
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    return folder
+
+
+# GoogleTest
+
+def _ctest(selection: list[str], reports: Path) -> Count:
+    folder = paths.build_dir()
+    cases = folder / "reports"
+    for old in cases.glob("*.json"):
+        old.unlink()
+    junit = reports / "ctest.xml"
+    step("Running the C++ tests")
+    done = subprocess.run(
+        ["ctest", "--test-dir", str(folder), "--output-on-failure", "--no-tests=error", "-j", str(build.jobs()),
+         "--output-junit", str(junit), *selection],
+        env=build.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        text=True, errors="replace")
+    if done.returncode != 0:
+        say(done.stdout)
+    failed_programs = [t.get("name") for t in _testcases(junit) if t.find("failure") is not None]
+    return _ctest_count(cases, failed_programs).at_least_one_failed(done.returncode)
+
+
+def _ctest_count(cases: Path, failed_programs: list[str]) -> Count:
+    """Cases of all reports; a program that failed without one there (it crashed) counts as one failure more."""
+    total = Count()
+    for report in sorted(cases.glob("*.json")):
+        count = googletest_count(json.loads(report.read_text(encoding="utf-8")))
+        if count.failed == 0 and report.stem in failed_programs:
+            count += Count(failed=1)
+        total += count
+    return total + Count(failed=sum(not (cases / f"{name}.json").exists() for name in failed_programs))
+
+
+def googletest_count(report: dict) -> Count:
+    results = [case for suite in report.get("testsuites", []) for case in suite.get("testsuite", [])]
+    failed = sum("failures" in case for case in results)
+    skipped = sum(case.get("result") in ("SKIPPED", "SUPPRESSED") or case.get("status") == "NOTRUN" for case in results)
+    return Count(len(results) - failed - skipped, failed, skipped)
+
+
+# Vitest
+
+def _vitest(reports: Path) -> Count:
+    if not (paths.FRONTEND / "package.json").exists():
+        return Count()
+    report = reports / "vitest.json"
+    step("Running the page's tests")
+    done = build.npm("run", "test", "--", "--reporter=default", "--reporter=json", f"--outputFile.json={report}")
+    if done.returncode != 0:
+        say(done.stdout)
+    count = Count()
+    if report.exists():
+        seen = json.loads(report.read_text(encoding="utf-8"))
+        skipped = seen.get("numPendingTests", 0) + seen.get("numTodoTests", 0)
+        count = Count(seen.get("numPassedTests", 0), seen.get("numFailedTests", 0), skipped)
+    return count.at_least_one_failed(done.returncode)
+
+
+# pytest
+
+def _pytest(folder: str, reports: Path) -> Count:
+    tests = paths.REPO / "tests"
+    if not any((tests / folder).glob("test_*.py")):
+        return Count()
+    report = reports / f"{folder}.xml"
+    step(f"Running tests/{folder}")
+    env = {**build.environment(), "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run(
+        [str(paths.VENV_PYTHON), "-m", "pytest",
+         "-c", str(tests / "pytest.ini"), "--rootdir", str(tests), "-q", "--durations=5", f"--junitxml={report}",
+         str(tests / folder)],
+        cwd=tests, env=env, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        errors="replace")
+    if done.returncode != 0:
+        say(done.stdout)
+    return pytest_count(_testcases(report)).at_least_one_failed(done.returncode)
+
+
+def pytest_count(cases: list[ElementTree.Element]) -> Count:
+    failed = sum(any(case.find(tag) is not None for tag in ("failure", "error")) for case in cases)
+    skipped = sum(case.find("skipped") is not None for case in cases)
+    return Count(len(cases) - failed - skipped, failed, skipped)
+
+
+def _testcases(report: Path) -> list[ElementTree.Element]:
+    try:
+        return list(ElementTree.parse(report).getroot().iter("testcase"))
+    except (OSError, ElementTree.ParseError):
+        return []
