@@ -11,8 +11,8 @@
 namespace diaphane::render::cli {
 namespace {
 
-/// Larger pictures would need more than 20 GB of film.
-constexpr std::uint32_t kLongestSide = 16384;
+
+constexpr std::uint32_t kLongestSide = kLongestCanvas;
 
 constexpr const char* kAbout =
     "Renders a scan to a picture file, by the same renderer as the server's, without a server.\n"

@@ -1,0 +1,51 @@
+#include "renderd/engine/cuda_engine.h"
+
+#include <string>
+
+#include "renderd/engine/cuda_error.h"
+#include "renderd/engine/cuda_kernels.h"
+#include "renderd/engine/cuda_renderer.h"
+#include "renderd/engine/cuda_volume.h"
+
+namespace diaphane::render {
+namespace {
+
+/// Device 0 of those that are visible is every thread's current device, so no call needs to choose
+/// it. Nothing here changes after construction: volumes and renderers have their own streams.
+class CudaEngine : public Engine {
+ public:
+  explicit CudaEngine(EngineInfo info) : info_(std::move(info)) {}
+
+  EngineInfo info() const override { return info_; }
+
+  Result<std::shared_ptr<const DeviceVolume>> load(const volume::Volume& volume) override {
+    return cuda::CudaVolume::load(volume);
+  }
+
+  Result<std::unique_ptr<FrameRenderer>> renderer(std::shared_ptr<const DeviceVolume> volume,
+                                                  std::uint64_t seed,
+                                                  std::uint64_t first_sample) override {
+    auto ours = std::dynamic_pointer_cast<const cuda::CudaVolume>(std::move(volume));
+    if (!ours) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
+    return cuda::CudaRenderer::make(std::move(ours), seed, first_sample);
+  }
+
+ private:
+  EngineInfo info_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Engine>> make_cuda_engine() {
+  int count = 0;
+  DIAPHANE_CUDA_TRY(cudaGetDeviceCount(&count));
+  if (count == 0) return fail(ErrorCode::kUnavailable, "no CUDA device is visible");
+  cudaDeviceProp properties{};
+  DIAPHANE_CUDA_TRY(cudaGetDeviceProperties(&properties, 0));
+  // Also makes the context: a device that is broken or has no code of ours says so now.
+  DIAPHANE_CUDA_TRY(cuda::probe());
+  return std::make_unique<CudaEngine>(
+      EngineInfo{"cuda", properties.name, properties.totalGlobalMem});
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,49 @@
+#include "renderd/engine/cuda_launch_size.h"
+
+#include <gtest/gtest.h>
+
+namespace diaphane::render::cuda {
+namespace {
+
+TEST(LaunchSize, ComesToTheTargetWhateverTheSceneCosts) {
+  for (const double ms_per_sample : {1e-9, 1e-6, 1e-3, 1.0}) {
+    LaunchSize size;
+    for (int i = 0; i < 30; ++i) {
+      size.learn(size.work(), static_cast<double>(size.work()) * ms_per_sample);
+    }
+    const double ms = static_cast<double>(size.work()) * ms_per_sample;
+    EXPECT_LE(ms, 1.01 * LaunchSize::kTargetMs);
+    EXPECT_GE(ms, 0.5 * LaunchSize::kTargetMs);
+  }
+}
+
+TEST(LaunchSize, GrowsAtMostFourfoldAndShrinksAtOnce) {
+  LaunchSize size;
+  const std::uint64_t first = size.work();
+  size.learn(first, 0);
+  EXPECT_EQ(size.work(), 4 * first);
+  size.learn(4 * first, 8000);
+  EXPECT_EQ(size.work(), 4 * first / 1000);
+  size.forget();
+  EXPECT_EQ(size.work(), first);
+}
+
+TEST(LaunchSize, RowsAreWholeStepsAndNeverNone) {
+  LaunchSize size;
+  size.learn(size.work(), 1e12);
+  EXPECT_EQ(size.rows(8192, 16, 8), 8u);
+  size.forget();
+  EXPECT_EQ(size.rows(512, 16, 8), 32u);
+  EXPECT_EQ(size.rows(1, 1, 8), 65536u);
+}
+
+TEST(LaneShift, FillsTheDeviceAndNeverExceedsTheSamples) {
+  EXPECT_EQ(lane_shift_for(512 * 512, 16, 4), 2u);
+  EXPECT_EQ(lane_shift_for(512 * 512, 1, 4), 0u);
+  EXPECT_EQ(lane_shift_for(512 * 512, 3, 4), 1u);
+  EXPECT_EQ(lane_shift_for(1920 * 1080, 16, 4), 0u);
+  EXPECT_EQ(lane_shift_for(16 * 16, 16, 4), 4u);
+}
+
+}  // namespace
+}  // namespace diaphane::render::cuda

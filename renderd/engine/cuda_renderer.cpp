@@ -1,0 +1,201 @@
+#include "renderd/engine/cuda_renderer.h"
+
+#include <chrono>
+#include <limits>
+
+namespace diaphane::render::cuda {
+namespace {
+
+/// A larger buffer into `larger` where `buffer` cannot hold `count`; see memory's `grown`.
+template <typename T>
+Result<void> grow(DeviceBuffer<T>& larger, const DeviceBuffer<T>& buffer, std::size_t count) {
+  auto made = grown(buffer, count);
+  if (!made) return tl::unexpected(made.error());
+  larger = std::move(*made);
+  return {};
+}
+
+tl::unexpected<Error> no_scene() {
+  return fail(ErrorCode::kInternal, "a picture was asked for before a scene was set");
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameRenderer>> CudaRenderer::make(std::shared_ptr<const CudaVolume> volume,
+                                                          std::uint64_t seed,
+                                                          std::uint64_t first_sample) {
+  std::unique_ptr<CudaRenderer> renderer(new CudaRenderer(std::move(volume), seed, first_sample));
+  auto stream = Stream::make();
+  if (!stream) return tl::unexpected(stream.error());
+  renderer->stream_ = std::move(*stream);
+  for (Event& event : renderer->events_) {
+    auto made = Event::make();
+    if (!made) return tl::unexpected(made.error());
+    event = std::move(*made);
+  }
+  return renderer;
+}
+
+CudaRenderer::~CudaRenderer() { cudaStreamSynchronize(stream_.get()); }
+
+Result<CudaRenderer::Tables> CudaRenderer::grown_tables(const PreparedScene& prepared) const {
+  Tables larger;
+  const PreparedTransfer& transfer = *prepared.transfer;
+  DIAPHANE_TRY(grow(larger.extinction, tables_.extinction, transfer.extinction.size()));
+  DIAPHANE_TRY(grow(larger.colour, tables_.colour, transfer.colour.size()));
+  DIAPHANE_TRY(grow(larger.bounds, tables_.bounds, transfer.bounds.size()));
+  DIAPHANE_TRY(grow(larger.rectangles, tables_.rectangles, prepared.rectangles.size()));
+  return larger;
+}
+
+Result<void> CudaRenderer::upload_tables(const PreparedScene& prepared) {
+  const PreparedTransfer& transfer = *prepared.transfer;
+  const cudaStream_t stream = stream_.get();
+  // The same function as before: a moved camera uploads no table.
+  if (prepared.transfer != prepared_.transfer) {
+    DIAPHANE_TRY(
+        upload(tables_.extinction, transfer.extinction.data(), transfer.extinction.size(), stream));
+    DIAPHANE_TRY(upload(tables_.colour, transfer.colour.data(), transfer.colour.size(), stream));
+    DIAPHANE_TRY(upload(tables_.bounds, transfer.bounds.data(), transfer.bounds.size(), stream));
+  }
+  return upload(tables_.rectangles, prepared.rectangles.data(), prepared.rectangles.size(), stream);
+}
+
+Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas canvas) {
+  auto prepared = prepare_scene(scene, canvas, volume_->header(), volume_->grid(),
+                                film_ ? &prepared_ : nullptr, film_ ? &scene_ : nullptr);
+  if (!prepared) return tl::unexpected(prepared.error());
+  // Everything that can be refused comes first: until here, and no further, the old picture stands.
+  auto larger = grown_tables(*prepared);
+  if (!larger) return tl::unexpected(larger.error());
+  std::optional<CudaFilm> film;
+  if (!film_ || film_->canvas() != canvas) {
+    auto made = CudaFilm::make(canvas);
+    if (!made) return tl::unexpected(made.error());
+    film = std::move(*made);
+  }
+  // Launches of a batch that was stopped may still read the tables and write the film.
+  DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream_.get()));
+  adopt(tables_.extinction, std::move(larger->extinction));
+  adopt(tables_.colour, std::move(larger->colour));
+  adopt(tables_.bounds, std::move(larger->bounds));
+  adopt(tables_.rectangles, std::move(larger->rectangles));
+  if (film) film_ = std::move(film);
+  DIAPHANE_TRY(upload_tables(*prepared));
+  DIAPHANE_TRY(film_->clear(stream_.get()));
+  scene_ = scene;
+  prepared_ = std::move(*prepared);
+  pending_ = {};
+  launch_size_.forget();
+  seconds_ = 0;
+  dropped_ = 0;
+  error_samples_ = 0;
+  return {};
+}
+
+Result<void> CudaRenderer::note_launch(Flight& flight, std::uint64_t work) {
+  // Event 0 is the start; launch n ends at event n + 1, and event n is its start.
+  const auto event = [this](std::size_t n) { return events_[n % events_.size()].get(); };
+  flight.work[flight.launched % flight.work.size()] = work;
+  ++flight.launched;
+  DIAPHANE_CUDA_TRY(cudaEventRecord(event(flight.launched), stream_.get()));
+  if (flight.launched < kAhead) return {};
+  const std::size_t oldest = flight.launched - kAhead;
+  DIAPHANE_CUDA_TRY(cudaEventSynchronize(event(oldest + 1)));
+  float ms = 0;
+  DIAPHANE_CUDA_TRY(cudaEventElapsedTime(&ms, event(oldest), event(oldest + 1)));
+  launch_size_.learn(flight.work[oldest % flight.work.size()], static_cast<double>(ms));
+  return {};
+}
+
+Result<bool> CudaRenderer::trace_pending(const std::function<bool()>& stop, Flight& flight) {
+  const Canvas canvas = film_->canvas();
+  const SceneView<TextureVolume> view =
+      view_of(prepared_, volume_->view(), tables_.extinction.data(), tables_.colour.data(),
+              tables_.bounds.data(), tables_.rectangles.data(), seed_);
+  while (pending_.next_row < canvas.height) {
+    if (stop()) return false;
+    const std::uint32_t rows =
+        smaller(launch_size_.rows(canvas.width, pending_.samples, kStripeRows),
+                canvas.height - pending_.next_row);
+    const Stripe stripe{
+        .first_row = pending_.next_row,
+        .rows = rows,
+        .first_sample = first_sample_ + film_->samples(),
+        .film_sample = film_->samples(),
+        .samples = pending_.samples,
+        .lane_shift = lane_shift_for(film_->pixels(), pending_.samples, kMostLaneShift)};
+    DIAPHANE_CUDA_TRY(trace(prepared_.features, view, stripe, film_->batch(), stream_.get()));
+    pending_.next_row += rows;
+    DIAPHANE_TRY(note_launch(flight, std::uint64_t{canvas.width} * rows * stripe.samples));
+  }
+  return true;
+}
+
+Result<Batch> CudaRenderer::render(std::uint32_t samples, const std::function<bool()>& stop) {
+  if (!film_) return no_scene();
+  const auto start = std::chrono::steady_clock::now();
+  Batch batch;
+  Flight flight;
+  DIAPHANE_CUDA_TRY(cudaEventRecord(events_[0].get(), stream_.get()));
+  while (batch.samples < samples) {
+    const std::uint32_t left = samples - batch.samples;
+    if (pending_.samples == 0 || pending_.samples > left) {
+      pending_ = {smaller(left, kMostSamples), 0};
+    }
+    auto whole = trace_pending(stop, flight);
+    if (!whole) return tl::unexpected(whole.error());
+    if (!*whole) break;
+    DIAPHANE_TRY(film_->fold(pending_.samples, stream_.get()));
+    batch.samples += pending_.samples;
+    pending_ = {};
+  }
+  auto dropped = film_->dropped(stream_.get());
+  if (!dropped) return tl::unexpected(dropped.error());
+  batch.dropped_samples = *dropped - dropped_;
+  dropped_ = *dropped;
+  batch.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  seconds_ += batch.seconds;
+  return batch;
+}
+
+Progress CudaRenderer::progress() const {
+  Progress progress;
+  progress.error = std::numeric_limits<double>::infinity();
+  if (!film_) return progress;
+  progress.samples = film_->samples();
+  progress.seconds = seconds_;
+  if (error_samples_ != progress.samples) {
+    // A device that is lost here says so at the next call that can.
+    const auto error = film_->error(stream_.get());
+    if (!error) return progress;
+    error_samples_ = progress.samples;
+    error_ = *error;
+  }
+  if (progress.samples > 0) progress.error = error_;
+  return progress;
+}
+
+Result<void> CudaRenderer::display(PictureRgb8& out) {
+  if (!film_) return no_scene();
+  out.size = film_->canvas();
+  out.pixels.resize(3 * film_->pixels());
+  return film_->display(prepared_.exposure_scale, out.pixels.data(), stream_.get());
+}
+
+Result<void> CudaRenderer::radiance(PictureRgbF& out) {
+  if (!film_) return no_scene();
+  out.size = film_->canvas();
+  out.pixels.resize(3 * film_->pixels());
+  return film_->radiance(out.pixels.data(), stream_.get());
+}
+
+std::vector<std::string> CudaRenderer::features() const {
+  std::vector<std::string> names;
+  for (std::uint32_t i = 0; i < kFeatureCount; ++i) {
+    if (prepared_.features.has(static_cast<Feature>(i))) names.emplace_back(kFeatureNames[i]);
+  }
+  return names;
+}
+
+}  // namespace diaphane::render::cuda

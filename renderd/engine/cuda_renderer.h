@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "renderd/engine/cuda_film.h"
+#include "renderd/engine/cuda_launch_size.h"
+#include "renderd/engine/cuda_memory.h"
+#include "renderd/engine/cuda_volume.h"
+#include "renderd/engine/frame_renderer.h"
+#include "renderd/scene/prepared_scene.h"
+
+namespace diaphane::render::cuda {
+
+/// One session's picture on the device, on a stream of its own.
+class CudaRenderer : public FrameRenderer {
+ public:
+  static Result<std::unique_ptr<FrameRenderer>> make(std::shared_ptr<const CudaVolume> volume,
+                                                     std::uint64_t seed,
+                                                     std::uint64_t first_sample);
+  /// Waits for what the stream still does: it writes into memory of this renderer.
+  ~CudaRenderer() override;
+
+  Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override;
+  Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) override;
+  Progress progress() const override;
+  Result<void> display(PictureRgb8& out) override;
+  Result<void> radiance(PictureRgbF& out) override;
+  std::vector<std::string> features() const override;
+
+ private:
+  /// Samples of one pixel that are summed in fp32 before they are folded into fp64.
+  static constexpr std::uint32_t kMostSamples = 16;
+  /// Launches under way at a time, so that the device never waits for the host between two.
+  static constexpr std::size_t kAhead = 2;
+
+  /// The scene's arrays on the device.
+  struct Tables {
+    DeviceBuffer<float> extinction;
+    DeviceBuffer<Float4> colour;
+    DeviceBuffer<CellBounds> bounds;
+    DeviceBuffer<RectangleLight> rectangles;
+  };
+  /// A batch of which some rows are traced. It goes on in the next call when `stop` ended this one.
+  struct Pending {
+    std::uint32_t samples = 0;  ///< 0: none
+    std::uint32_t next_row = 0;
+  };
+  /// The launches of one call, to measure them and to wait for the oldest when there are enough.
+  struct Flight {
+    std::size_t launched = 0;
+    std::array<std::uint64_t, kAhead + 1> work{};
+  };
+
+  CudaRenderer(std::shared_ptr<const CudaVolume> volume, std::uint64_t seed,
+               std::uint64_t first_sample)
+      : volume_(std::move(volume)), seed_(seed), first_sample_(first_sample) {}
+
+  Result<Tables> grown_tables(const PreparedScene& prepared) const;
+  Result<void> upload_tables(const PreparedScene& prepared);
+  /// Traces rows of the pending batch until it is whole; false when stopped before.
+  Result<bool> trace_pending(const std::function<bool()>& stop, Flight& flight);
+  Result<void> note_launch(Flight& flight, std::uint64_t work);
+
+  std::shared_ptr<const CudaVolume> volume_;
+  std::uint64_t seed_;
+  std::uint64_t first_sample_;
+  Stream stream_;
+  std::array<Event, kAhead + 1> events_;
+
+  diaphane::v1::Scene scene_;
+  PreparedScene prepared_;
+  Tables tables_;
+  std::optional<CudaFilm> film_;  ///< nothing before the first scene
+  Pending pending_;
+  LaunchSize launch_size_;
+  double seconds_ = 0;
+  std::uint64_t dropped_ = 0;
+  /// The error costs two small kernels: estimated when somebody asks, once per number of samples.
+  mutable std::uint64_t error_samples_ = 0;
+  mutable double error_ = 0;
+};
+
+}  // namespace diaphane::render::cuda
