@@ -92,7 +92,8 @@ def _page_inputs() -> list[Path]:
 
 def npm(*words: str, env: dict[str, str] | None = None) -> subprocess.CompletedProcess:
     node = venv.ensure_node()
-    environ = {**os.environ, "PATH": f"{node}:{os.environ.get('PATH', '')}", "CI": "true", **(env or {})}
+    environ = {**os.environ, "PATH": f"{node}:{os.environ.get('PATH', '')}", "CI": "true",
+               "NO_COLOR": "1", **(env or {})}
     return subprocess.run(["npm", *words], cwd=paths.FRONTEND, env=environ, stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
@@ -109,6 +110,8 @@ def npm_install() -> None:
 
 
 def build_page() -> None:
+    if "DIAPHANE_BUILD" in os.environ:
+        return
     if not (paths.FRONTEND / "package.json").exists():
         raise HouseError("this checkout has no frontend/package.json: there is no page to build")
     npm_install()

@@ -78,13 +78,13 @@ def load_sample(stack: Stack, again: bool = False) -> None:
     done = subprocess.run(sample_command(tool, stack.settings.url, stack.data), cwd="/", capture_output=True, text=True,
                           timeout=300, **stack.run_as.popen())
     if done.returncode == 0:
-        marker.write_text("", encoding="ascii")
+        marker.write_text(done.stdout, encoding="ascii")   # its data set's id
     else:
         warn(f"the sample scan could not be loaded (exit {done.returncode}): {done.stderr.strip() or done.stdout.strip()}")
 
 
 def sample_command(tool: Path, url: str, data: Path) -> list[str]:
-    return [str(tool), "--url", url, "--token-file", str(data / "secrets" / "sample-token")]
+    return [str(tool), "--upload", url, "--token-file", str(data / "secrets" / "sample-token")]
 
 
 def detach(options: UpOptions) -> int:

@@ -1,0 +1,184 @@
+"""`./diaphane up`, `down` and `status` as a person uses them."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import time
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+from harness import REPO, StackHouse
+from house import datadir, ports
+from house.processes import Identity, wait_gone
+
+PROGRAMS = {"edge", "api", "ingestd", "renderd", "postgres", "redis"}
+
+
+class Home:
+    """A data directory and the commands on it."""
+
+    def __init__(self, house: StackHouse):
+        self.data = house.folder()
+        self.data.chmod(0o755)
+
+    def run(self, *words: str, timeout: float = 120, env: dict | None = None) -> subprocess.CompletedProcess:
+        return subprocess.run([str(REPO / "diaphane"), *words, "--data", str(self.data)], stdin=subprocess.DEVNULL,
+                              capture_output=True, text=True, timeout=timeout, env={**os.environ, **(env or {})})
+
+    def up(self, *words: str, **more) -> subprocess.CompletedProcess:
+        return self.run("up", "--detach", "--engine", "cpu", *words, **more)
+
+    def status(self) -> dict:
+        return json.loads(self.run("status", "--json").stdout)
+
+    def record(self) -> dict:
+        return datadir.read_record(self.data)
+
+
+@pytest.fixture
+def home(stack_house):
+    made = Home(stack_house)
+    yield made
+    made.run("down")
+
+
+def url_of(done: subprocess.CompletedProcess) -> str:
+    assert done.returncode == 0, done.stdout + done.stderr
+    line = [line for line in done.stdout.splitlines() if line.startswith("Diaphane is at ")][-1]
+    return line.split()[3]
+
+
+def answers(url: str) -> bool:
+    try:
+        urllib.request.urlopen(url, timeout=2)
+        return True
+    except urllib.error.HTTPError:
+        return True
+    except OSError:
+        return False
+
+
+def test_up_down_and_up_again_keeps_everything_and_is_quick(home):
+    url = url_of(home.up("--port", "18080"))
+    assert answers(url)
+    status = home.status()
+    assert {p["name"] for p in status["programs"] if p["ready"]} == PROGRAMS
+    assert status["engine"] == "cpu"
+    secret = (home.data / "secrets" / "postgres").read_text(encoding="ascii")
+    sample = (home.data / "sample.loaded").read_text(encoding="ascii")
+
+    before = time.monotonic()
+    assert home.run("down").returncode == 0
+    assert time.monotonic() - before < 5
+    assert not answers(url)
+    assert home.run("status").returncode == 3
+
+    before = time.monotonic()
+    url_of(home.up("--port", "18080"))
+    assert time.monotonic() - before < 10
+    assert (home.data / "secrets" / "postgres").read_text(encoding="ascii") == secret
+    assert (home.data / "sample.loaded").read_text(encoding="ascii") == sample
+
+
+def test_nothing_that_up_starts_runs_as_root(home):
+    url_of(home.up("--port", "18080"))
+    assert all(os.stat(f"/proc/{program['pid']}").st_uid != 0 for program in home.record()["programs"])
+
+
+def test_a_taken_port_is_named_and_the_next_one_used(home):
+    with socket.socket() as taken:
+        taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        taken.bind(("127.0.0.1", 18180))
+        taken.listen()
+        done = home.up("--port", "18180")
+        assert answers(url_of(done))
+        assert ":18180/" not in url_of(done)
+        assert "port 18180 (edge) is taken, using " in done.stdout
+
+
+def test_a_second_up_says_where_the_first_is(home):
+    first = url_of(home.up("--port", "18080"))
+    again = home.up()
+    assert again.returncode == 0
+    assert f"runs already: {first}" in again.stdout
+
+
+def test_after_a_kill_of_the_supervisor_the_next_up_takes_over_without_remains(home):
+    url_of(home.up("--port", "18080"))
+    left = [Identity(p["pid"], p["start"]) for p in home.record()["programs"]]
+    supervisor = home.record()["supervisor"]["pid"]
+    os.kill(supervisor, signal.SIGKILL)
+    assert wait_gone([Identity(supervisor, home.record()["supervisor"]["start"])], 2) == []
+
+    done = home.up("--port", "18080")
+    assert url_of(done) == "http://localhost:18080/"
+    assert "left behind" in done.stdout
+    assert [i for i in left if i.alive()] == []
+
+
+def test_down_stops_what_a_killed_supervisor_left(home):
+    url_of(home.up("--port", "18080"))
+    left = [Identity(p["pid"], p["start"]) for p in home.record()["programs"]]
+    os.kill(home.record()["supervisor"]["pid"], signal.SIGKILL)
+    assert home.run("down").returncode == 0
+    assert wait_gone(left, 0.5) == []
+
+
+def test_interrupt_stops_everything_within_five_seconds(home):
+    process = subprocess.Popen([str(REPO / "diaphane"), "up", "--data", str(home.data), "--port", "18080", "--engine", "cpu"],
+                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert any(line.startswith("Diaphane is at ") for line in process.stdout)
+    programs = [Identity(p["pid"], p["start"]) for p in home.record()["programs"]]
+    before = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    assert process.wait(10) == 0
+    assert time.monotonic() - before < 5
+    assert wait_gone(programs, 0.2) == []
+    process.stdout.close()
+
+
+def test_no_install_lists_what_is_missing_and_installs_nothing(home, tmp_path):
+    # A machine on which dpkg knows no package.
+    query = tmp_path / "dpkg-query"
+    query.write_text("#!/bin/sh\nexit 1\n", encoding="ascii")
+    query.chmod(0o755)
+    done = home.up("--no-install", env={"PATH": f"{tmp_path}:{os.environ['PATH']}"})
+    assert done.returncode == 1
+    assert "missing: Debian package libvtk9-dev" in done.stdout
+    assert not (home.data / "stack.json").exists()
+
+
+def test_a_directory_with_something_else_in_it_is_refused_and_left_as_it_is(home):
+    (home.data / "letters.txt").write_text("mine", encoding="ascii")
+    done = home.up()
+    assert done.returncode == 1
+    assert "holds something else" in done.stderr + done.stdout
+    assert [p.name for p in home.data.iterdir()] == ["letters.txt"]
+
+
+def test_a_program_that_refuses_its_settings_ends_up_with_its_own_words(home):
+    done = home.up("--port", "18080", env={"DIAPHANE_SLOTS": "many"})
+    assert done.returncode == 1
+    assert "renderd refuses its settings (exit 78)" in done.stderr + done.stdout
+    assert "slots" in done.stderr + done.stdout
+    assert home.run("status").returncode == 3
+
+
+def test_a_data_directory_that_nginx_could_not_read_is_refused(stack_house):
+    done = subprocess.run([str(REPO / "diaphane"), "up", "--data", "/tmp/a b;c"], stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True)
+    assert done.returncode == 1
+    assert "may hold only" in done.stderr
+    assert not Path("/tmp/a b;c").exists()
+
+
+def test_the_ports_of_the_defaults_are_those_of_the_contract():
+    text = (REPO / "docs" / "contracts.md").read_text(encoding="utf-8")
+    assert all(str(port) in text for port in ports.DEFAULTS.values())

@@ -1,0 +1,1 @@
+"""The measurements. Each module has ABOUT (one line), measure(quick) -> list[Result], and may have PROGRAMS and PAGE."""
