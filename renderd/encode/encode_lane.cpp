@@ -1,0 +1,98 @@
+#include "renderd/encode/encode_lane.h"
+
+#include <chrono>
+#include <utility>
+
+namespace diaphane::render {
+
+EncodeLane::EncodeLane(EncodePool& pool, std::unique_ptr<Encoder> encoder,
+                       std::weak_ptr<FrameSink> sink)
+    : pool_(pool), encoder_(std::move(encoder)), sink_(std::move(sink)) {}
+
+void EncodeLane::submit(RenderedPicture picture) {
+  std::unique_lock lock(mutex_);
+  if (slot_) {
+    ++skipped_;
+    // It takes over the place of the one it replaces: should it wait until it is of an older epoch,
+    // it is no longer the first that anybody would have seen.
+    if (slot_->info.epoch == picture.info.epoch) {
+      picture.info.first_of_epoch = picture.info.first_of_epoch || slot_->info.first_of_epoch;
+    }
+  }
+  slot_ = std::move(picture);
+  schedule(lock);
+}
+
+void EncodeLane::poke() {
+  std::unique_lock lock(mutex_);
+  schedule(lock);
+}
+
+bool EncodeLane::slot_free() const {
+  const std::lock_guard lock(mutex_);
+  return !slot_.has_value();
+}
+
+std::uint64_t EncodeLane::skipped() const {
+  const std::lock_guard lock(mutex_);
+  return skipped_;
+}
+
+void EncodeLane::request_key() {
+  const std::lock_guard lock(mutex_);
+  key_ = true;
+}
+
+void EncodeLane::schedule(std::unique_lock<std::mutex>& lock) {
+  if (scheduled_) {
+    poked_ = true;
+    return;
+  }
+  if (!slot_) return;
+  scheduled_ = true;
+  lock.unlock();
+  pool_.post([self = shared_from_this()] { self->run(); });
+}
+
+void EncodeLane::run() {
+  const std::shared_ptr<FrameSink> sink = sink_.lock();
+  std::unique_lock lock(mutex_);
+  poked_ = false;
+  if (!sink || !slot_) {
+    slot_.reset();
+    scheduled_ = false;
+    return;
+  }
+  const FrameInfo asked = slot_->info;
+  lock.unlock();
+  const Admission admission = sink->admit(asked);
+  lock.lock();
+  if (admission == Admission::kGo) {
+    // The slot may have got a newer picture meanwhile: that one goes.
+    RenderedPicture picture = std::move(*slot_);
+    slot_.reset();
+    const bool key = std::exchange(key_, false);
+    lock.unlock();
+    const auto start = std::chrono::steady_clock::now();
+    auto coded = encoder_->encode(
+        picture.picture, {picture.info.moving ? Quality::kMoving : Quality::kSettled, key});
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (coded) {
+      sink->coded(picture.info, picture.picture.size, std::move(*coded), seconds);
+    } else {
+      sink->dropped(picture.info, coded.error());
+    }
+    lock.lock();
+  } else if (admission == Admission::kDrop && slot_->info.epoch == asked.epoch &&
+             slot_->info.samples == asked.samples) {
+    slot_.reset();
+    ++skipped_;
+  } else if (admission == Admission::kDrop) {
+    poked_ = true;  // a newer one came while the old one was judged
+  }
+  scheduled_ = false;
+  if (poked_) schedule(lock);
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,171 @@
+#include <gtest/gtest.h>
+#include <turbojpeg.h>
+
+#include <atomic>
+#include <cmath>
+#include <future>
+#include <latch>
+
+#include "renderd/encode/encode_lane.h"
+
+namespace diaphane::render {
+namespace {
+
+PictureRgb8 smooth_picture(std::uint32_t width, std::uint32_t height) {
+  PictureRgb8 picture;
+  picture.size = {width, height};
+  for (std::uint32_t y = 0; y < height; ++y) {
+    for (std::uint32_t x = 0; x < width; ++x) {
+      picture.pixels.push_back(static_cast<std::uint8_t>(255.0 * x / width));
+      picture.pixels.push_back(static_cast<std::uint8_t>(255.0 * y / height));
+      picture.pixels.push_back(static_cast<std::uint8_t>(127 + 100 * std::sin(0.1 * x)));
+    }
+  }
+  return picture;
+}
+
+struct Decoded {
+  PictureRgb8 picture;
+  int chroma = 0;
+};
+
+Decoded decode(const std::string& jpeg) {
+  Decoded out;
+  const tjhandle handle = tjInitDecompress();
+  const auto* data = reinterpret_cast<const unsigned char*>(jpeg.data());
+  int width = 0, height = 0, colorspace = 0;
+  EXPECT_EQ(
+      tjDecompressHeader3(handle, data, jpeg.size(), &width, &height, &out.chroma, &colorspace), 0);
+  out.picture.size = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
+  out.picture.pixels.resize(std::size_t(3) * width * height);
+  EXPECT_EQ(tjDecompress2(handle, data, jpeg.size(), out.picture.pixels.data(), width, 0, height,
+                          TJPF_RGB, 0),
+            0);
+  tjDestroy(handle);
+  return out;
+}
+
+double rms(const PictureRgb8& a, const PictureRgb8& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    sum += std::pow(double(a.pixels[i]) - b.pixels[i], 2);
+  }
+  return std::sqrt(sum / double(a.pixels.size()));
+}
+
+TEST(JpegEncoder, APictureComesBackWithinAFewSteps) {
+  auto encoder = make_encoder(v1::JPEG);
+  ASSERT_TRUE(encoder);
+  for (const Canvas size : {Canvas{64, 48}, Canvas{17, 33}, Canvas{320, 200}, Canvas{16, 16}}) {
+    const PictureRgb8 picture = smooth_picture(size.width, size.height);
+    const auto settled = (*encoder)->encode(picture, {Quality::kSettled, true});
+    const auto moving = (*encoder)->encode(picture, {Quality::kMoving, false});
+    ASSERT_TRUE(settled);
+    ASSERT_TRUE(moving);
+    EXPECT_EQ(settled->codec, v1::JPEG);
+    EXPECT_TRUE(moving->key);
+    const Decoded fine = decode(settled->data);
+    const Decoded coarse = decode(moving->data);
+    EXPECT_EQ(fine.picture.size, size);
+    EXPECT_EQ(coarse.picture.size, size);
+    EXPECT_EQ(fine.chroma, TJSAMP_444);
+    EXPECT_EQ(coarse.chroma, TJSAMP_420);
+    EXPECT_LT(rms(picture, fine.picture), 2.0);
+    EXPECT_LT(rms(picture, coarse.picture), 12.0);
+    EXPECT_LE(rms(picture, fine.picture), rms(picture, coarse.picture));
+  }
+}
+
+TEST(JpegEncoder, APictureThatLiesAboutItsSizeIsRefused) {
+  auto encoder = make_encoder(v1::JPEG);
+  PictureRgb8 picture = smooth_picture(32, 32);
+  picture.size.height = 33;
+  EXPECT_FALSE((*encoder)->encode(picture, {}).has_value());
+  EXPECT_FALSE((*encoder)->encode(PictureRgb8{}, {}).has_value());
+  EXPECT_FALSE(make_encoder(v1::CODEC_UNSPECIFIED).has_value());
+}
+
+class Sink final : public FrameSink {
+ public:
+  Admission admit(const FrameInfo& frame) override {
+    const std::lock_guard lock(mutex);
+    judged.push_back(frame.epoch);
+    return answer;
+  }
+  void coded(const FrameInfo& frame, Canvas, CodedFrame, double) override {
+    const std::lock_guard lock(mutex);
+    sent.push_back(frame.epoch);
+  }
+  void dropped(const FrameInfo&, const Error&) override { ++failures; }
+
+  std::mutex mutex;
+  Admission answer = Admission::kGo;
+  std::vector<std::uint64_t> judged;
+  std::vector<std::uint64_t> sent;
+  std::atomic<int> failures{0};
+};
+
+RenderedPicture of_epoch(std::uint64_t epoch) {
+  RenderedPicture rendered;
+  rendered.info.epoch = epoch;
+  rendered.info.samples = 1;
+  rendered.picture = smooth_picture(16, 16);
+  return rendered;
+}
+
+struct LaneTest : testing::Test {
+  std::shared_ptr<Sink> sink = std::make_shared<Sink>();
+  std::unique_ptr<EncodePool> pool = std::make_unique<EncodePool>(2);
+  std::shared_ptr<EncodeLane> lane =
+      std::make_shared<EncodeLane>(*pool, *make_encoder(v1::JPEG), sink);
+  // The pool runs what is queued before it ends.
+  void settle() { pool = nullptr; }
+};
+
+TEST_F(LaneTest, WhatWaitsIsReplacedByTheLatest) {
+  sink->answer = Admission::kWait;
+  for (std::uint64_t epoch = 1; epoch <= 50; ++epoch) lane->submit(of_epoch(epoch));
+  EXPECT_FALSE(lane->slot_free());
+  EXPECT_EQ(lane->skipped(), 49U);
+  {
+    const std::lock_guard lock(sink->mutex);
+    sink->answer = Admission::kGo;
+  }
+  lane->poke();
+  settle();
+  EXPECT_EQ(sink->sent, std::vector<std::uint64_t>{50});
+  EXPECT_TRUE(lane->slot_free());
+}
+
+TEST_F(LaneTest, WhatIsOutOfDateIsNeverEncoded) {
+  sink->answer = Admission::kDrop;
+  lane->submit(of_epoch(1));
+  settle();
+  EXPECT_TRUE(sink->sent.empty());
+  EXPECT_EQ(lane->skipped(), 1U);
+  EXPECT_TRUE(lane->slot_free());
+}
+
+TEST_F(LaneTest, FramesOfOneSessionKeepTheirOrderOnManyThreads) {
+  for (std::uint64_t epoch = 1; epoch <= 300; ++epoch) lane->submit(of_epoch(epoch));
+  settle();
+  EXPECT_TRUE(std::is_sorted(sink->sent.begin(), sink->sent.end()));
+  ASSERT_FALSE(sink->sent.empty());
+  EXPECT_EQ(sink->sent.back(), 300U);
+  EXPECT_EQ(sink->sent.size() + lane->skipped(), 300U);
+}
+
+TEST_F(LaneTest, ASessionWithoutRoomHoldsNoThread) {
+  sink->answer = Admission::kWait;
+  lane->submit(of_epoch(1));
+  auto other_sink = std::make_shared<Sink>();
+  auto other = std::make_shared<EncodeLane>(*pool, *make_encoder(v1::JPEG), other_sink);
+  for (std::uint64_t epoch = 1; epoch <= 20; ++epoch) other->submit(of_epoch(epoch));
+  settle();
+  ASSERT_FALSE(other_sink->sent.empty());
+  EXPECT_EQ(other_sink->sent.back(), 20U);
+  EXPECT_TRUE(sink->sent.empty());
+}
+
+}  // namespace
+}  // namespace diaphane::render

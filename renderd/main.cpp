@@ -1,0 +1,189 @@
+// Wiring of renderd: settings in, parts together, signals out.
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "common/clock.h"
+#include "common/config.h"
+#include "common/ids.h"
+#include "common/log.h"
+#include "common/service/admin_server.h"
+#include "common/service/signals.h"
+#include "renderd/serve/grpc_server.h"
+#include "renderd/serve/registry.h"
+#include "renderd/serve/render_worker.h"
+
+namespace diaphane::render {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr int kExitUnavailable = 69;  // sysexits.h: EX_UNAVAILABLE
+constexpr int kExitDevice = 70;       // EX_SOFTWARE: the device's context is broken
+
+struct Settings {
+  std::string worker_id;
+  RedisAddress redis;
+  std::string grpc_address;
+  std::uint16_t grpc_port = 0;
+  std::string advertise;
+  std::uint16_t admin_port = 0;
+  std::string volume_dir;
+  EngineChoice engine = EngineChoice::kAuto;
+  unsigned threads = 0;
+  std::size_t slots = 0;
+  double max_error = 0;
+  std::uint64_t volume_bytes = 0;
+};
+
+Settings read_settings(ConfigReader& in) {
+  Settings settings;
+  settings.worker_id = in.text("worker-id", "name of this worker, unique among those on one Redis");
+  const std::string redis = in.text("redis", "host:port");
+  if (const auto address = parse_redis_address(redis)) {
+    settings.redis = *address;
+  } else if (!redis.empty()) {
+    in.mistake("--redis " + address.error().message);
+  }
+  settings.grpc_address = in.text("grpc-address", "address to listen on", "127.0.0.1");
+  settings.grpc_port = in.port("grpc-port", "gRPC, for the gateway");
+  settings.advertise = in.text("advertise", "host:port at which the gateway finds this worker");
+  settings.admin_port = in.port("admin-port", "metrics and health, on 127.0.0.1");
+  settings.volume_dir = in.directory("volume-dir", "the volume store");
+  const std::string engine =
+      in.one_of("engine", "where to render", {"auto", "cpu", "cuda"}, "auto");
+  settings.engine = engine == "cpu"    ? EngineChoice::kCpu
+                    : engine == "cuda" ? EngineChoice::kCuda
+                                       : EngineChoice::kAuto;
+  settings.threads =
+      static_cast<unsigned>(in.integer("threads", "of the CPU engine; 0: all cores", 0, 1024, 0));
+  settings.slots = static_cast<std::size_t>(in.integer("slots", "sessions at most", 1, 4096, 8));
+  const std::string error =
+      in.text("max-error", "relative error at which a picture counts as converged", "0.01");
+  char* end = nullptr;
+  settings.max_error = std::strtod(error.c_str(), &end);
+  if (end == error.c_str() || *end != '\0' || !(settings.max_error > 0 && settings.max_error < 1)) {
+    in.mistake("--max-error must be a number between 0 and 1");
+  }
+  settings.volume_bytes =
+      static_cast<std::uint64_t>(
+          in.integer("volume-memory-mb", "loaded volumes at most; 0: half of the device's memory",
+                     0, 1 << 22, 0))
+      << 20;
+  return settings;
+}
+
+// The device cannot be used by this process any more; sessions' scenes are in Redis already.
+[[noreturn]] void leave_broken_device(const Error& why) {
+  log::error("device_lost", {{"message", why.message}});
+  std::_Exit(kExitDevice);
+}
+
+// An orderly end that takes too long (a volume is just being read from a slow disk) ends all the
+// same.
+void end_within(milliseconds limit) {
+  std::thread([limit] {
+    std::this_thread::sleep_for(limit);
+    log::warning("drain_cut_short");
+    std::_Exit(0);
+  }).detach();
+}
+
+int run(int argc, char** argv) {
+  ConfigReader in(argc, argv);
+  const Settings settings = read_settings(in);
+  if (const auto done =
+          in.finish("diaphane-renderd: renders the sessions of many viewers on one device")) {
+    return *done;
+  }
+  log::start("renderd");
+  service::StopSignal stop;
+
+  auto engine = make_engine(settings.engine, settings.threads);
+  if (!engine) {
+    std::fprintf(stderr, "--engine: %s\n", engine.error().message.c_str());
+    return kExitConfig;
+  }
+  const EngineInfo info = (*engine)->info();
+  const SystemClock clock;
+
+  std::atomic<RenderWorker*> worker_now{nullptr};
+  service::AdminServer::Options admin_options;
+  admin_options.port = settings.admin_port;
+  admin_options.program = "renderd";
+  admin_options.checks = {{"serving", [&] { return worker_now.load() != nullptr; }},
+                          {"volume store", [dir = settings.volume_dir] {
+                             return access(dir.c_str(), R_OK | X_OK) == 0;
+                           }}};
+  admin_options.details = [&] {
+    RenderWorker* worker = worker_now;
+    return nlohmann::json{{"engine", info.engine},
+                          {"device", info.device},
+                          {"slots", settings.slots},
+                          {"used", worker ? worker->host().used() : 0}}
+        .dump();
+  };
+  auto admin = service::AdminServer::start(std::move(admin_options));
+  if (!admin) {
+    std::fprintf(stderr, "--admin-port: %s\n", admin.error().message.c_str());
+    return kExitUnavailable;
+  }
+  Metrics metrics((*admin)->registry());
+
+  RenderWorker::Options worker_options;
+  worker_options.volume_dir = settings.volume_dir;
+  worker_options.volume_bytes =
+      settings.volume_bytes > 0 ? settings.volume_bytes : info.memory_bytes / 2;
+  worker_options.encoder_threads =
+      std::max(1U, std::min(8U, std::thread::hardware_concurrency() / 4));
+  worker_options.host.slots = settings.slots;
+  worker_options.runner.target_error = settings.max_error;
+  worker_options.runner.device_lost = leave_broken_device;
+  RenderWorker worker(worker_options, std::move(*engine), metrics, clock);
+
+  auto server = GrpcServer::start({settings.grpc_address, settings.grpc_port}, worker.host(),
+                                  worker.stills(), metrics);
+  if (!server) {
+    std::fprintf(stderr, "--grpc-port: %s\n", server.error().message.c_str());
+    return kExitUnavailable;
+  }
+  {
+    Registry registry(
+        {settings.redis, settings.worker_id, new_id(), settings.advertise, info.engine, info.device,
+         [&] { return worker.runner().busy_seconds(); }, [&] { return worker.volumes().loaded(); }},
+        worker.host(), metrics);
+    worker_now = &worker;
+    log::info("serving", {{"engine", info.engine},
+                          {"device", info.device},
+                          {"port", (*server)->port()},
+                          {"slots", settings.slots}});
+    while (!stop.wait_for(milliseconds(200))) {
+      worker.host().tick();
+      (*server)->sweep();
+    }
+
+    log::info("draining");
+    end_within(milliseconds(3500));
+    (*admin)->set_draining();
+    (*server)->set_not_serving();
+    worker.host().refuse_new();
+    // The scenes first: whoever takes a session up again needs them.
+    registry.drain(milliseconds(1000));
+    worker.stop();
+    (*server)->stop(milliseconds(1000));
+  }
+  worker_now = nullptr;
+  log::info("stopped");
+  return 0;
+}
+
+}  // namespace
+}  // namespace diaphane::render
+
+int main(int argc, char** argv) { return diaphane::render::run(argc, argv); }

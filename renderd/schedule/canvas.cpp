@@ -1,0 +1,41 @@
+#include "renderd/schedule/canvas.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace diaphane::render {
+namespace {
+
+// Steps of about sqrt(2): each halves the work.
+constexpr std::array<double, 7> kScales{1.0, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.125};
+
+std::uint32_t scaled(std::uint32_t length, double scale) {
+  if (scale >= 1.0) return length;
+  // Even: chroma is subsampled by two.
+  const auto even = static_cast<std::uint32_t>(std::lround(length * scale / 2.0)) * 2;
+  return std::min(length, std::max<std::uint32_t>(even, 16));
+}
+
+Canvas scaled(Canvas canvas, double scale) {
+  return {scaled(canvas.width, scale), scaled(canvas.height, scale)};
+}
+
+double pixels(Canvas canvas) { return double(canvas.width) * double(canvas.height); }
+
+}  // namespace
+
+Canvas plan_canvas(const CanvasQuestion& question) {
+  if (!question.moving) return question.viewport;
+  const bool known = question.seconds_per_pixel > 0;
+  const double budget = known ? kMovingSampleSeconds / question.seconds_per_pixel : kProbePixels;
+  for (const double scale : kScales) {
+    const Canvas candidate = scaled(question.viewport, scale);
+    const bool is_current = candidate == question.current;
+    // A quarter of slack for the size that is on the screen.
+    if (pixels(candidate) <= (is_current ? 1.25 * budget : budget)) return candidate;
+  }
+  return scaled(question.viewport, kScales.back());
+}
+
+}  // namespace diaphane::render

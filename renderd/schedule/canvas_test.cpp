@@ -1,0 +1,72 @@
+#include "renderd/schedule/canvas.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace diaphane::render {
+namespace {
+
+double pixels(Canvas canvas) { return double(canvas.width) * canvas.height; }
+
+CanvasQuestion question(Canvas viewport, double seconds_for_full, bool moving = true) {
+  CanvasQuestion q;
+  q.viewport = viewport;
+  q.seconds_per_pixel = seconds_for_full / pixels(viewport);
+  q.moving = moving;
+  return q;
+}
+
+TEST(MovingCanvas, AtRestItIsTheViewportHoweverSlow) {
+  EXPECT_EQ(plan_canvas(question({1280, 720}, 10.0, false)), (Canvas{1280, 720}));
+}
+
+TEST(MovingCanvas, AFastDeviceNeverLosesAPixel) {
+  EXPECT_EQ(plan_canvas(question({1280, 720}, 0.079)), (Canvas{1280, 720}));
+  EXPECT_EQ(plan_canvas(question({4096, 4096}, 0.001)), (Canvas{4096, 4096}));
+}
+
+TEST(MovingCanvas, ASlowDeviceStaysNearItsTimeWithTheShapeKept) {
+  for (const Canvas viewport :
+       {Canvas{512, 512}, Canvas{1280, 720}, Canvas{393, 852}, Canvas{1919, 1079}}) {
+    for (const double full : {0.09, 0.15, 0.2, 0.5, 1.0, 3.0}) {
+      const Canvas planned = plan_canvas(question(viewport, full));
+      EXPECT_LT(pixels(planned), pixels(viewport));
+      EXPECT_LE(full * pixels(planned) / pixels(viewport), kMovingSampleSeconds * 1.05) << full;
+      EXPECT_EQ(planned.width % 2, 0U);
+      EXPECT_EQ(planned.height % 2, 0U);
+      const double shape = double(viewport.width) / viewport.height;
+      EXPECT_NEAR(double(planned.width) / planned.height / shape, 1.0, 0.05);
+    }
+  }
+}
+
+TEST(MovingCanvas, ItIsNeverSmallerThanSixteenPixels) {
+  const Canvas planned = plan_canvas(question({4096, 16}, 1000));
+  EXPECT_GE(planned.width, 16U);
+  EXPECT_EQ(planned.height, 16U);
+  EXPECT_EQ(plan_canvas(question({16, 16}, 1000)), (Canvas{16, 16}));
+}
+
+TEST(MovingCanvas, AnUnknownSpeedIsProbedWithASmallPicture) {
+  CanvasQuestion q;
+  q.viewport = {1920, 1080};
+  q.moving = true;
+  EXPECT_LE(pixels(plan_canvas(q)), kProbePixels);
+  q.moving = false;
+  EXPECT_EQ(plan_canvas(q), q.viewport);
+}
+
+TEST(MovingCanvas, ASizeOnTheScreenIsKeptWhileTheCostIsNearABorder) {
+  CanvasQuestion q = question({512, 512}, 0.3);
+  q.current = plan_canvas(q);
+  const Canvas first = q.current;
+  for (const double noise : {1.1, 0.95, 1.15, 1.0, 1.2}) {
+    q.seconds_per_pixel = 0.3 * noise / pixels(q.viewport);
+    q.current = plan_canvas(q);
+    EXPECT_EQ(q.current, first) << noise;
+  }
+}
+
+}  // namespace
+}  // namespace diaphane::render

@@ -1,0 +1,17 @@
+#include "renderd/schedule/emission.h"
+
+namespace diaphane::render {
+
+bool should_emit(const EmissionQuestion& question) {
+  if (question.samples == 0) return false;
+  if (question.wanted_again || question.samples_shown == 0) return true;
+  if (!question.moving && question.shown_moving && question.room) return true;
+  if (question.samples == question.samples_shown) return false;
+  if (question.converged) return true;
+  if (!question.room) return false;
+  if (question.samples >= 2 * question.samples_shown) return true;
+  if (question.moving) return question.seconds_since_frame >= 0.12;
+  return question.seconds_since_frame >= 1.0 && question.samples * 4 >= question.samples_shown * 5;
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,78 @@
+#include "renderd/schedule/emission.h"
+
+#include <gtest/gtest.h>
+
+namespace diaphane::render {
+namespace {
+
+EmissionQuestion shown(std::uint64_t samples, std::uint64_t shown, double seconds = 0.01) {
+  EmissionQuestion q;
+  q.samples = samples;
+  q.samples_shown = shown;
+  q.seconds_since_frame = seconds;
+  return q;
+}
+
+TEST(Emission, TheFirstSampleIsShownAtOnceEvenWithoutRoom) {
+  EmissionQuestion q = shown(1, 0);
+  q.room = false;
+  EXPECT_TRUE(should_emit(q));
+  EXPECT_FALSE(should_emit(shown(0, 0)));
+}
+
+TEST(Emission, AtRestAPictureIsShownAtEachDoublingOnly) {
+  int pictures = 0;
+  std::uint64_t last = 0;
+  for (std::uint64_t samples = 1; samples <= 1024; ++samples) {
+    if (!should_emit(shown(samples, last))) continue;
+    last = samples;
+    ++pictures;
+  }
+  EXPECT_EQ(pictures, 11);  // 1, 2, 4 ... 1024
+}
+
+TEST(Emission, WhileMovingNoPictureIsOlderThanAFewHundredMilliseconds) {
+  EmissionQuestion q = shown(101, 100, 0.2);
+  EXPECT_FALSE(should_emit(q));
+  q.moving = true;
+  EXPECT_TRUE(should_emit(q));
+  q.seconds_since_frame = 0.05;
+  EXPECT_FALSE(should_emit(q));
+}
+
+TEST(Emission, ComingToRestShowsTheSamePictureOnceInFullQuality) {
+  EmissionQuestion q = shown(40, 40);
+  q.shown_moving = true;
+  EXPECT_TRUE(should_emit(q));
+  q.moving = true;
+  EXPECT_FALSE(should_emit(q));
+  q.moving = false;
+  q.shown_moving = false;
+  EXPECT_FALSE(should_emit(q));
+}
+
+TEST(Emission, TheConvergedPictureIsNeverLeftOut) {
+  EmissionQuestion q = shown(130, 128);
+  q.room = false;
+  EXPECT_FALSE(should_emit(q));
+  q.converged = true;
+  EXPECT_TRUE(should_emit(q));
+  q.samples_shown = 130;
+  EXPECT_FALSE(should_emit(q));
+}
+
+TEST(Emission, AViewerWithoutRoomGetsNoRefinements) {
+  EmissionQuestion q = shown(64, 16, 10);
+  EXPECT_TRUE(should_emit(q));
+  q.room = false;
+  EXPECT_FALSE(should_emit(q));
+}
+
+TEST(Emission, LongDoublingsAreFilledWithAPictureASecond) {
+  EXPECT_FALSE(should_emit(shown(1500, 1024, 0.9)));
+  EXPECT_TRUE(should_emit(shown(1500, 1024, 1.1)));
+  EXPECT_FALSE(should_emit(shown(1100, 1024, 1.1)));
+}
+
+}  // namespace
+}  // namespace diaphane::render

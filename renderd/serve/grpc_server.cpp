@@ -1,0 +1,307 @@
+#include "renderd/serve/grpc_server.h"
+
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/health_check_service_interface.h>
+
+#include <deque>
+#include <list>
+#include <mutex>
+#include <optional>
+
+#include "api/proto/worker.grpc.pb.h"
+#include "common/log.h"
+
+namespace diaphane::render {
+namespace {
+
+using std::chrono::steady_clock;
+
+// A viewer's frames are bounded by acknowledgement; so many other messages unread mean that nobody
+// reads.
+constexpr std::size_t kMostQueued = 64;
+constexpr std::chrono::seconds kFlushTime{2};
+
+struct StatusName {
+  grpc::StatusCode code;
+  const char* name;
+};
+
+StatusName status_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kInvalid:
+    case ErrorCode::kTooLarge:
+    case ErrorCode::kUnsupported:
+      return {grpc::StatusCode::INVALID_ARGUMENT, "invalid_argument"};
+    case ErrorCode::kUnauthenticated:
+      return {grpc::StatusCode::UNAUTHENTICATED, "unauthenticated"};
+    case ErrorCode::kForbidden:
+      return {grpc::StatusCode::PERMISSION_DENIED, "permission_denied"};
+    case ErrorCode::kNotFound:
+      return {grpc::StatusCode::NOT_FOUND, "not_found"};
+    case ErrorCode::kConflict:
+      return {grpc::StatusCode::ABORTED, "aborted"};
+    case ErrorCode::kTooMany:
+    case ErrorCode::kOutOfMemory:
+      return {grpc::StatusCode::RESOURCE_EXHAUSTED, "resource_exhausted"};
+    case ErrorCode::kUnavailable:
+    case ErrorCode::kDeviceLost:
+      return {grpc::StatusCode::UNAVAILABLE, "unavailable"};
+    case ErrorCode::kInternal:
+      break;
+  }
+  return {grpc::StatusCode::INTERNAL, "internal"};
+}
+
+grpc::Status status_for(const Error& error, Metrics& metrics) {
+  const StatusName status = status_of(error.code);
+  metrics.grpc_error(status.name);
+  return {status.code, error.message};
+}
+
+// The writing side of one Attach: a queue, one write at a time, then the status. It outlives the
+// call, since a session may hold it a moment longer.
+class StreamLink final : public ClientLink {
+ public:
+  using Reactor = grpc::ServerBidiReactor<v1::AttachRequest, v1::AttachReply>;
+
+  StreamLink(Reactor* reactor, grpc::CallbackServerContext* context, Metrics& metrics)
+      : reactor_(reactor), context_(context), metrics_(metrics) {}
+
+  void send(std::string server_message) override {
+    const std::lock_guard lock(mutex_);
+    if (!reactor_ || ending_) return;
+    if (queue_.size() >= kMostQueued) {
+      end(status_for({ErrorCode::kTooMany, "The viewer does not read.", {}}, metrics_));
+      queue_.clear();
+      context_->TryCancel();
+      return;
+    }
+    queue_.push_back(std::move(server_message));
+    write_next();
+  }
+
+  void finish(const Error& why) override { finish(status_for(why, metrics_)); }
+
+  void finish(grpc::Status status) {
+    const std::lock_guard lock(mutex_);
+    end(std::move(status));
+  }
+
+  void written(bool ok) {
+    const std::lock_guard lock(mutex_);
+    writing_ = false;
+    if (!ok) queue_.clear();
+    write_next();
+  }
+
+  // The call is over: nothing may be started on it any more.
+  void over() {
+    const std::lock_guard lock(mutex_);
+    reactor_ = nullptr;
+    context_ = nullptr;
+  }
+
+  void cancel_if_stuck(steady_clock::time_point now) {
+    const std::lock_guard lock(mutex_);
+    if (reactor_ && ending_ && !finished_ && now - ending_since_ > kFlushTime)
+      context_->TryCancel();
+  }
+
+ private:
+  void end(grpc::Status status) {
+    if (ending_) return;
+    ending_ = std::move(status);
+    ending_since_ = steady_clock::now();
+    write_next();
+  }
+
+  void write_next() {
+    if (!reactor_ || writing_ || finished_) return;
+    if (!queue_.empty()) {
+      writing_ = true;
+      reply_.set_server_message(std::move(queue_.front()));
+      queue_.pop_front();
+      reactor_->StartWrite(&reply_);
+    } else if (ending_) {
+      finished_ = true;
+      reactor_->Finish(*ending_);
+    }
+  }
+
+  std::mutex mutex_;
+  Reactor* reactor_;
+  grpc::CallbackServerContext* context_;
+  Metrics& metrics_;
+  std::deque<std::string> queue_;
+  v1::AttachReply reply_;
+  bool writing_ = false;
+  std::optional<grpc::Status> ending_;
+  steady_clock::time_point ending_since_{};
+  bool finished_ = false;
+};
+
+// Who is connected, for the sweep.
+class Links {
+ public:
+  void add(const std::shared_ptr<StreamLink>& link) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(links_, [](const auto& known) { return known.expired(); });
+    links_.push_back(link);
+  }
+  void sweep() {
+    const auto now = steady_clock::now();
+    std::vector<std::shared_ptr<StreamLink>> links;
+    {
+      const std::lock_guard lock(mutex_);
+      for (const auto& known : links_) {
+        if (auto link = known.lock()) links.push_back(std::move(link));
+      }
+    }
+    for (const auto& link : links) link->cancel_if_stuck(now);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::list<std::weak_ptr<StreamLink>> links_;
+};
+
+// One Attach. Deletes itself when gRPC is done with it.
+class AttachReactor final : public StreamLink::Reactor {
+ public:
+  AttachReactor(SessionHost& host, Links& links, Metrics& metrics,
+                grpc::CallbackServerContext* context)
+      : host_(host), link_(std::make_shared<StreamLink>(this, context, metrics)) {
+    links.add(link_);
+    StartRead(&request_);
+  }
+
+  void OnReadDone(bool ok) override {
+    if (!ok) {
+      if (attachment_) attachment_->closed();
+      link_->finish(grpc::Status::OK);
+      return;
+    }
+    if (attachment_ && request_.body_case() == v1::AttachRequest::kClientMessage) {
+      attachment_->receive(request_.client_message());
+    } else if (!attachment_ && request_.body_case() == v1::AttachRequest::kOpen) {
+      auto opened = host_.open(request_.open(), link_);
+      if (opened) {
+        attachment_.emplace(std::move(*opened));
+      } else {
+        link_->finish(opened.error());
+      }
+    } else {
+      link_->finish({ErrorCode::kInvalid, "Attach begins with Open, once.", {}});
+    }
+    // Also after a refusal: reading is how the end of the call is learned.
+    StartRead(&request_);
+  }
+
+  void OnWriteDone(bool ok) override { link_->written(ok); }
+
+  void OnDone() override {
+    link_->over();
+    delete this;
+  }
+
+ private:
+  SessionHost& host_;
+  std::shared_ptr<StreamLink> link_;
+  v1::AttachRequest request_;
+  std::optional<Attachment> attachment_;
+};
+
+// One RenderStill. The answer may come after the caller left: then the call is over already.
+class StillReactor final : public grpc::ServerUnaryReactor {
+ public:
+  StillReactor(StillService& stills, const v1::StillRequest& request, v1::StillReply* reply,
+               Metrics& metrics)
+      : cancelled_(std::make_shared<std::atomic<bool>>(false)) {
+    stills.render(request, cancelled_, [this, reply, &metrics](Result<v1::StillReply> rendered) {
+      if (!rendered) return Finish(status_for(rendered.error(), metrics));
+      *reply = std::move(*rendered);
+      Finish(grpc::Status::OK);
+    });
+  }
+  // The order answers all the same, soon: Finish is called there and only there.
+  void OnCancel() override { *cancelled_ = true; }
+  void OnDone() override { delete this; }
+
+ private:
+  const std::shared_ptr<std::atomic<bool>> cancelled_;
+};
+
+class Service final : public v1::RenderWorker::CallbackService {
+ public:
+  Service(SessionHost& host, StillService& stills, Metrics& metrics)
+      : host_(host), stills_(stills), metrics_(metrics) {}
+
+  grpc::ServerBidiReactor<v1::AttachRequest, v1::AttachReply>* Attach(
+      grpc::CallbackServerContext* context) override {
+    return new AttachReactor(host_, links_, metrics_, context);
+  }
+
+  grpc::ServerUnaryReactor* RenderStill(grpc::CallbackServerContext*,
+                                        const v1::StillRequest* request,
+                                        v1::StillReply* reply) override {
+    return new StillReactor(stills_, *request, reply, metrics_);
+  }
+
+  Links& links() { return links_; }
+
+ private:
+  SessionHost& host_;
+  StillService& stills_;
+  Metrics& metrics_;
+  Links links_;
+};
+
+}  // namespace
+
+struct GrpcServer::Impl {
+  Impl(SessionHost& host, StillService& stills, Metrics& metrics)
+      : service(host, stills, metrics) {}
+  Service service;
+  std::unique_ptr<grpc::Server> server;
+  int port = 0;
+};
+
+Result<std::unique_ptr<GrpcServer>> GrpcServer::start(Options options, SessionHost& host,
+                                                      StillService& stills, Metrics& metrics) {
+  auto impl = std::make_unique<Impl>(host, stills, metrics);
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::ServerBuilder builder;
+  builder.SetMaxReceiveMessageSize(options.most_message_bytes);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.most_streams);
+  // A second renderd on the same port would otherwise share it silently.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  // A gateway that vanished without a word is noticed within 15 s.
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
+  builder.AddListeningPort(options.address + ":" + std::to_string(options.port),
+                           grpc::InsecureServerCredentials(), &impl->port);
+  builder.RegisterService(&impl->service);
+  impl->server = builder.BuildAndStart();
+  if (!impl->server || impl->port == 0) {
+    return fail(ErrorCode::kUnavailable,
+                "the gRPC port " + std::to_string(options.port) + " cannot be opened");
+  }
+  return std::unique_ptr<GrpcServer>(new GrpcServer(std::move(impl)));
+}
+
+GrpcServer::GrpcServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+GrpcServer::~GrpcServer() { stop(std::chrono::milliseconds(0)); }
+
+std::uint16_t GrpcServer::port() const { return static_cast<std::uint16_t>(impl_->port); }
+
+void GrpcServer::set_not_serving() {
+  impl_->server->GetHealthCheckService()->SetServingStatus(false);
+}
+
+void GrpcServer::sweep() { impl_->service.links().sweep(); }
+
+void GrpcServer::stop(std::chrono::milliseconds grace) {
+  impl_->server->Shutdown(std::chrono::system_clock::now() + grace);
+}
+
+}  // namespace diaphane::render

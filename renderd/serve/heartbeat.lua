@@ -1,0 +1,51 @@
+-- A worker says that it lives, and which sessions it has (docs/contracts.md, Redis). One round trip.
+-- KEYS: 1 set of workers, 2 hash of this worker, 3 sorted set of its sessions
+-- ARGV: 1 worker id, 2 incarnation, 3 address, 4 engine, 5 device, 6 slots, 7 draining, 8 load, 9 volumes,
+--       10 prefix of a session's key, then session id and placement of each live session
+-- Returns the ids of sessions that were placed on another worker since: this one is to end them.
+local kBeatMs = 3000
+local kLiveMs = 10000
+local clock = redis.call('TIME')
+local now = clock[1] * 1000 + math.floor(clock[2] / 1000)
+
+-- Sessions of the process before this one died with it; reservations made since are for this one.
+local before = redis.call('HGET', KEYS[2], 'incarnation')
+if before and before ~= ARGV[2] then
+  redis.call('DEL', KEYS[3])
+end
+
+local moved = {}
+local listed = {}
+for i = 11, #ARGV, 2 do
+  local id, placement = ARGV[i], ARGV[i + 1]
+  local key = ARGV[10] .. id
+  local there = redis.call('HMGET', key, 'worker', 'placement')
+  if there[1] and there[1] ~= ARGV[1] and tonumber(there[2] or 0) > tonumber(placement) then
+    redis.call('ZREM', KEYS[3], id)
+    moved[#moved + 1] = id
+  else
+    listed[id] = true
+    redis.call('ZADD', KEYS[3], now + kLiveMs, id)
+    redis.call('EXPIRE', key, 86400)
+  end
+end
+
+-- A session that this worker had (it was told by a heartbeat before) and that ended frees its slot at once;
+-- a reservation whose viewer has not come yet stays until it expires.
+local told = redis.call('HGET', KEYS[2], 'live')
+if told and before == ARGV[2] then
+  for id in string.gmatch(told, '[^,]+') do
+    if not listed[id] then redis.call('ZREM', KEYS[3], id) end
+  end
+end
+redis.call('ZREMRANGEBYSCORE', KEYS[3], '-inf', now)
+redis.call('PEXPIRE', KEYS[3], 60000)
+
+local live = {}
+for id in pairs(listed) do live[#live + 1] = id end
+redis.call('SADD', KEYS[1], ARGV[1])
+redis.call('HSET', KEYS[2], 'incarnation', ARGV[2], 'address', ARGV[3], 'engine', ARGV[4],
+  'device', ARGV[5], 'slots', ARGV[6], 'draining', ARGV[7], 'load', ARGV[8], 'volumes', ARGV[9],
+  'epoch', '1', 'used', redis.call('ZCARD', KEYS[3]), 'live', table.concat(live, ','))
+redis.call('PEXPIRE', KEYS[2], kBeatMs)
+return moved

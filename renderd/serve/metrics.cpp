@@ -1,0 +1,91 @@
+#include "renderd/serve/metrics.h"
+
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+
+namespace diaphane::render {
+namespace {
+
+prometheus::Counter& counter(prometheus::Registry& registry, const char* name, const char* help) {
+  return prometheus::BuildCounter().Name(name).Help(help).Register(registry).Add({});
+}
+
+prometheus::Gauge& gauge(prometheus::Registry& registry, const char* name, const char* help) {
+  return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add({});
+}
+
+prometheus::Histogram& latency(prometheus::Registry& registry, const char* name, const char* help) {
+  return prometheus::BuildHistogram().Name(name).Help(help).Register(registry).Add(
+      {}, prometheus::Histogram::BucketBoundaries{0.005, 0.01, 0.02, 0.033, 0.05, 0.075, 0.1, 0.15,
+                                                  0.2, 0.3, 0.5, 1, 2, 5});
+}
+
+}  // namespace
+
+struct Metrics::Impl {
+  explicit Impl(prometheus::Registry& r)
+      : sessions(gauge(r, "diaphane_renderd_sessions", "Sessions with a film on this device.")),
+        samples(counter(r, "diaphane_renderd_samples_total", "Samples per pixel rendered.")),
+        render_seconds(
+            counter(r, "diaphane_renderd_render_seconds_total", "Time spent rendering.")),
+        dropped(counter(r, "diaphane_renderd_dropped_samples_total",
+                        "Samples that were not finite: dropped.")),
+        encode_seconds(counter(r, "diaphane_renderd_encode_seconds_total", "Time spent encoding.")),
+        frames(counter(r, "diaphane_renderd_frames_sent_total", "Frames sent to viewers.")),
+        frame_bytes(counter(r, "diaphane_renderd_frame_bytes_total", "Bytes of frames sent.")),
+        skipped(counter(r, "diaphane_renderd_frames_skipped_total",
+                        "Pictures replaced by a newer one before they were sent.")),
+        input_to_frame(latency(r, "diaphane_renderd_input_to_frame_seconds",
+                               "From an input to the sending of the first frame that shows it.")),
+        volume_bytes(gauge(r, "diaphane_renderd_volume_bytes", "Volumes on the device.")),
+        stills(latency(r, "diaphane_renderd_still_seconds", "Pictures without a session.")),
+        grpc_errors(prometheus::BuildCounter()
+                        .Name("diaphane_renderd_grpc_errors_total")
+                        .Help("Calls that ended with an error, by status.")
+                        .Register(r)),
+        redis_errors(counter(r, "diaphane_renderd_redis_errors_total",
+                             "Heartbeats and scenes that could not be written.")) {}
+
+  prometheus::Gauge& sessions;
+  prometheus::Counter& samples;
+  prometheus::Counter& render_seconds;
+  prometheus::Counter& dropped;
+  prometheus::Counter& encode_seconds;
+  prometheus::Counter& frames;
+  prometheus::Counter& frame_bytes;
+  prometheus::Counter& skipped;
+  prometheus::Histogram& input_to_frame;
+  prometheus::Gauge& volume_bytes;
+  prometheus::Histogram& stills;
+  prometheus::Family<prometheus::Counter>& grpc_errors;
+  prometheus::Counter& redis_errors;
+};
+
+Metrics::Metrics(prometheus::Registry& registry) : impl_(std::make_unique<Impl>(registry)) {}
+Metrics::~Metrics() = default;
+
+void Metrics::sessions(std::size_t live) { impl_->sessions.Set(static_cast<double>(live)); }
+void Metrics::rendered(std::uint32_t samples, double seconds, std::uint64_t dropped) {
+  impl_->samples.Increment(samples);
+  impl_->render_seconds.Increment(seconds);
+  impl_->dropped.Increment(static_cast<double>(dropped));
+}
+void Metrics::encoded(double seconds) { impl_->encode_seconds.Increment(seconds); }
+void Metrics::frame_sent(std::size_t bytes) {
+  impl_->frames.Increment();
+  impl_->frame_bytes.Increment(static_cast<double>(bytes));
+}
+void Metrics::frames_skipped(std::uint64_t count) {
+  impl_->skipped.Increment(static_cast<double>(count));
+}
+void Metrics::input_to_frame(double seconds) { impl_->input_to_frame.Observe(seconds); }
+void Metrics::volumes(std::uint64_t bytes) { impl_->volume_bytes.Set(static_cast<double>(bytes)); }
+void Metrics::still(double seconds) { impl_->stills.Observe(seconds); }
+void Metrics::grpc_error(const std::string& status) {
+  impl_->grpc_errors.Add({{"status", status}}).Increment();
+}
+void Metrics::redis_error() { impl_->redis_errors.Increment(); }
+
+}  // namespace diaphane::render

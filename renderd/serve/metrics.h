@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace prometheus {
+class Registry;
+}
+
+namespace diaphane::render {
+
+/// What renderd counts, by intention; thread-safe. The only place that names the metrics.
+class Metrics {
+ public:
+  explicit Metrics(prometheus::Registry& registry);
+  ~Metrics();
+
+  void sessions(std::size_t live);
+  void rendered(std::uint32_t samples, double seconds, std::uint64_t dropped);
+  void encoded(double seconds);
+  void frame_sent(std::size_t bytes);
+  void frames_skipped(std::uint64_t count);
+  /// Server side: from the arrival of an input to the sending of the first frame that shows it.
+  void input_to_frame(double seconds);
+  void volumes(std::uint64_t bytes);
+  void still(double seconds);
+  /// `status` is a gRPC status name: a closed set.
+  void grpc_error(const std::string& status);
+  void redis_error();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace diaphane::render

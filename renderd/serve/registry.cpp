@@ -1,0 +1,165 @@
+#include "renderd/serve/registry.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "common/log.h"
+#include "renderd/serve/goodbye.lua.h"
+#include "renderd/serve/heartbeat.lua.h"
+#include "renderd/serve/save_scene.lua.h"
+
+namespace diaphane::render {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kBeat{1000};
+constexpr milliseconds kSave{200};
+constexpr milliseconds kMostBackoff{2000};
+
+constexpr char kWorkers[] = "diaphane:workers";
+constexpr char kSessionPrefix[] = "diaphane:session:";
+std::string worker_key(const std::string& id) { return "diaphane:worker:" + id; }
+std::string sessions_key(const std::string& id) { return worker_key(id) + ":sessions"; }
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ",") + word;
+  return text;
+}
+
+}  // namespace
+
+Registry::Registry(Options options, SessionHost& host, Metrics& metrics)
+    : options_(std::move(options)),
+      host_(host),
+      metrics_(metrics),
+      redis_(options_.redis),
+      load_since_(steady_clock::now()) {
+  thread_ = std::thread([this] { run(); });
+}
+
+Registry::~Registry() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+  if (connected_) {
+    (void)redis_.run(lua::goodbye,
+                     {kWorkers, worker_key(options_.worker_id), sessions_key(options_.worker_id)},
+                     {options_.worker_id, options_.incarnation});
+  }
+}
+
+void Registry::drain(milliseconds timeout) {
+  std::unique_lock lock(mutex_);
+  draining_ = true;
+  changed_.notify_all();
+  changed_.wait_for(lock, timeout, [this] { return drain_told_; });
+}
+
+void Registry::run() {
+  auto next_beat = steady_clock::now();
+  milliseconds backoff{100};
+  bool drain_seen = false;
+  for (;;) {
+    bool told = true;
+    if (steady_clock::now() >= next_beat) {
+      told = heartbeat();
+      next_beat = steady_clock::now() + kBeat;
+    }
+    told = told && save_scenes();
+    if (told != connected_) {
+      log::write(told ? log::Level::kInfo : log::Level::kWarning,
+                 told ? "redis_connected" : "redis_lost");
+    }
+    connected_ = told;
+    if (told) {
+      backoff = milliseconds{100};
+    } else {
+      metrics_.redis_error();
+      next_beat = steady_clock::now() + backoff;  // the first thing that Redis hears again
+    }
+    std::unique_lock lock(mutex_);
+    if (drain_seen && told && !drain_told_) {
+      drain_told_ = true;
+      changed_.notify_all();
+    }
+    changed_.wait_for(lock, told ? kSave : backoff,
+                      [&] { return stopping_ || draining_ != drain_seen; });
+    if (stopping_) return;
+    if (!told) backoff = std::min(2 * backoff, kMostBackoff);
+    if (draining_ && !drain_seen) {
+      drain_seen = true;
+      next_beat = {};
+    }
+  }
+}
+
+double Registry::load() {
+  const double busy = options_.busy_seconds();
+  const auto now = steady_clock::now();
+  const double seconds = std::chrono::duration<double>(now - load_since_).count();
+  const double load = seconds > 0 ? (busy - busy_before_) / seconds : 0;
+  busy_before_ = busy;
+  load_since_ = now;
+  return std::clamp(load, 0.0, 1.0);
+}
+
+bool Registry::heartbeat() {
+  bool draining = false;
+  {
+    const std::lock_guard lock(mutex_);
+    draining = draining_;
+  }
+  char load_text[16];
+  std::snprintf(load_text, sizeof load_text, "%.3f", load());
+  std::vector<std::string> arguments{options_.worker_id,
+                                     options_.incarnation,
+                                     options_.address,
+                                     options_.engine,
+                                     options_.device,
+                                     std::to_string(host_.slots()),
+                                     draining ? "1" : "0",
+                                     load_text,
+                                     joined(options_.volumes()),
+                                     kSessionPrefix};
+  for (const SessionHost::Live& live : host_.live()) {
+    arguments.push_back(live.id);
+    arguments.push_back(std::to_string(live.placement));
+  }
+  const auto answer = redis_.run(
+      lua::heartbeat, {kWorkers, worker_key(options_.worker_id), sessions_key(options_.worker_id)},
+      arguments);
+  if (!answer) {
+    if (answer.error().code == ErrorCode::kInternal) {
+      log::error("heartbeat_refused", {{"message", answer.error().message}});
+    }
+    return false;
+  }
+  for (const std::string& id : answer->list) {
+    log::info("session_moved_away", {{"session", id}});
+    host_.moved_away(id);
+  }
+  return true;
+}
+
+bool Registry::save_scenes() {
+  std::vector<LiveSession::Saved> unsaved = host_.take_unsaved();
+  for (std::size_t i = 0; i < unsaved.size(); ++i) {
+    const LiveSession::Saved& saved = unsaved[i];
+    const auto written =
+        redis_.run(lua::save_scene, {kSessionPrefix + saved.id},
+                   {std::to_string(saved.placement), saved.scene, std::to_string(saved.input_seq),
+                    std::to_string(saved.viewport.width), std::to_string(saved.viewport.height)});
+    if (written) continue;
+    for (; i < unsaved.size(); ++i) host_.mark_unsaved(unsaved[i].id);
+    return false;
+  }
+  return true;
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "renderd/serve/metrics.h"
+#include "renderd/serve/redis_client.h"
+#include "renderd/serve/session_host.h"
+
+namespace diaphane::render {
+
+/// This worker in Redis (docs/contracts.md): a heartbeat each second, the scenes of its sessions at
+/// most every 200 ms. Has a thread of its own, so that a Redis that is away or slow holds up
+/// nothing: sessions go on, and what was not written is written when it is back.
+class Registry {
+ public:
+  struct Options {
+    RedisAddress redis;
+    std::string worker_id;
+    std::string incarnation;  ///< new at each start
+    std::string address;      ///< where the gateway finds this worker
+    std::string engine;
+    std::string device;
+    std::function<double()> busy_seconds;               ///< since the start, for the load
+    std::function<std::vector<std::string>()> volumes;  ///< loaded
+  };
+
+  Registry(Options options, SessionHost& host, Metrics& metrics);
+  /// Takes the worker off the list.
+  ~Registry();
+  Registry(const Registry&) = delete;
+  Registry& operator=(const Registry&) = delete;
+
+  /// No new sessions: told at once, with the scenes that are not written yet. Returns when that is
+  /// done or `timeout` has passed.
+  void drain(std::chrono::milliseconds timeout);
+  /// The last heartbeat was taken.
+  bool connected() const { return connected_; }
+
+ private:
+  void run();
+  bool heartbeat();
+  bool save_scenes();
+  double load();
+
+  const Options options_;
+  SessionHost& host_;
+  Metrics& metrics_;
+  RedisClient redis_;
+  std::atomic<bool> connected_{false};
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool stopping_ = false;
+  bool draining_ = false;
+  bool drain_told_ = false;
+
+  // Of the thread alone.
+  double busy_before_ = 0;
+  std::chrono::steady_clock::time_point load_since_;
+  std::thread thread_;
+};
+
+}  // namespace diaphane::render

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "common/clock.h"
+#include "renderd/serve/metrics.h"
+#include "renderd/serve/session_host.h"
+#include "renderd/serve/still_service.h"
+
+namespace diaphane::render {
+
+/// One device with everything around it, but for the wires: sessions, runner, encoders, volumes.
+class RenderWorker {
+ public:
+  struct Options {
+    std::string volume_dir;
+    std::uint64_t volume_bytes = std::uint64_t{4} << 30;  ///< bound of loaded volumes
+    unsigned encoder_threads = 1;
+    SessionHost::Options host;
+    Runner::Options runner;
+  };
+
+  RenderWorker(Options options, std::unique_ptr<Engine> engine, Metrics& metrics,
+               const Clock& clock);
+  ~RenderWorker();
+
+  /// Ends all sessions and stills; after it nothing is rendered. Idempotent.
+  void stop();
+
+  Engine& engine() { return *engine_; }
+  SessionHost& host() { return *host_; }
+  StillService& stills() { return *stills_; }
+  VolumeCache& volumes() { return *volumes_; }
+  Runner& runner() { return *runner_; }
+
+ private:
+  // Each may call into those before it; the destructor says in which order they end.
+  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<Runner> runner_;
+  std::unique_ptr<EncodePool> encoders_;
+  std::unique_ptr<VolumeCache> volumes_;
+  std::unique_ptr<SessionHost> host_;
+  std::unique_ptr<StillService> stills_;
+};
+
+}  // namespace diaphane::render

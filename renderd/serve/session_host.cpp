@@ -1,0 +1,195 @@
+#include "renderd/serve/session_host.h"
+
+#include "common/ids.h"
+#include "common/log.h"
+
+namespace diaphane::render {
+namespace {
+
+const Error& stopping() {
+  static const Error error{ErrorCode::kUnavailable,
+                           "This render server is stopping; the session goes on elsewhere.",
+                           {}};
+  return error;
+}
+
+Result<LiveSession::Start> start_of(const v1::Open& open) {
+  if (!is_id(open.session_id())) return fail(ErrorCode::kInvalid, "No session id.", "session_id");
+  if (!is_id(open.volume_id())) return fail(ErrorCode::kInvalid, "No volume id.", "volume_id");
+  LiveSession::Start start;
+  start.id = open.session_id();
+  start.volume_id = open.volume_id();
+  start.placement = open.placement();
+  start.input_seq = open.input_seq();
+  if (open.has_scene()) start.scene = std::make_shared<const v1::Scene>(open.scene());
+  if (open.has_viewport()) {
+    // What was saved may be of no use; the browser's Hello says the viewport anew.
+    if (const auto viewport = check_viewport(open.viewport())) start.viewport = *viewport;
+  }
+  return start;
+}
+
+}  // namespace
+
+SessionHost::SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
+                         VolumeCache& volumes, Metrics& metrics, const Clock& clock)
+    : options_(options),
+      engine_(engine),
+      runner_(runner),
+      encoders_(encoders),
+      volumes_(volumes),
+      metrics_(metrics),
+      clock_(clock) {}
+
+SessionHost::~SessionHost() { end_all(); }
+
+Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<ClientLink> link) {
+  auto start = start_of(open);
+  if (!start) return tl::unexpected(start.error());
+  const std::string id = start->id;
+  const std::string volume_id = start->volume_id;
+
+  Session session;
+  Session evicted;
+  bool is_new = false;
+  std::uint64_t connection = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (refusing_) return tl::unexpected(stopping());
+    if (const auto found = sessions_.find(id); found != sessions_.end()) {
+      session = found->second;
+      if (open.placement() < session->placement()) {
+        return fail(ErrorCode::kConflict, "The session was placed anew since.");
+      }
+      if (session->volume_id() != volume_id) {
+        return fail(ErrorCode::kInvalid, "The session is of another volume.", "volume_id");
+      }
+    } else {
+      if (sessions_.size() >= options_.slots && !(evicted = evict_abandoned())) {
+        return fail(ErrorCode::kTooMany, "All places of this render server are taken.");
+      }
+      is_new = true;
+      session = std::make_shared<LiveSession>(
+          SessionParts{engine_, runner_, encoders_, metrics_, clock_, [this] { return used(); }},
+          std::move(*start), [this, id] { forget(id, nullptr); });
+      sessions_.emplace(id, session);
+      metrics_.sessions(sessions_.size());
+    }
+    connection = session->attach(std::move(link), open.placement());
+  }
+  if (evicted) evicted->end(stopping());
+  if (is_new) {
+    log::info("session_opened", {{"session", id}, {"volume", volume_id}});
+    volumes_.get(volume_id, [session](Result<VolumeCache::Handle> volume) {
+      session->volume_ready(std::move(volume));
+    });
+  }
+  return Attachment(std::move(session), connection);
+}
+
+SessionHost::Session SessionHost::evict_abandoned() {
+  auto longest = sessions_.end();
+  std::chrono::steady_clock::duration most{-1};
+  for (auto entry = sessions_.begin(); entry != sessions_.end(); ++entry) {
+    const auto abandoned = entry->second->abandoned_for();
+    if (abandoned && *abandoned > most) {
+      most = *abandoned;
+      longest = entry;
+    }
+  }
+  if (longest == sessions_.end()) return nullptr;
+  Session session = longest->second;
+  sessions_.erase(longest);
+  return session;
+}
+
+void SessionHost::forget(const std::string& id, const LiveSession* session) {
+  Session last;  // destroyed outside the lock
+  const std::lock_guard lock(mutex_);
+  const auto found = sessions_.find(id);
+  if (found == sessions_.end() || (session && found->second.get() != session)) return;
+  last = std::move(found->second);
+  sessions_.erase(found);
+  metrics_.sessions(sessions_.size());
+}
+
+void SessionHost::tick() {
+  for (const Session& session : all()) {
+    session->tick();
+    const auto abandoned = session->abandoned_for();
+    if (!abandoned || *abandoned < options_.keep_abandoned) continue;
+    {
+      // Between the question and the lock its viewer may have come back.
+      const std::lock_guard lock(mutex_);
+      if (!session->abandoned_for()) continue;
+      sessions_.erase(session->id());
+      metrics_.sessions(sessions_.size());
+    }
+    session->end(stopping());
+    log::info("session_dropped", {{"session", session->id()}});
+  }
+  metrics_.volumes(volumes_.bytes());
+}
+
+void SessionHost::refuse_new() {
+  const std::lock_guard lock(mutex_);
+  refusing_ = true;
+}
+
+void SessionHost::end_all() {
+  std::map<std::string, Session> ending;
+  {
+    const std::lock_guard lock(mutex_);
+    refusing_ = true;
+    ending.swap(sessions_);
+    metrics_.sessions(0);
+  }
+  for (const auto& [id, session] : ending) session->end(stopping());
+}
+
+void SessionHost::moved_away(const std::string& id) {
+  Session session;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = sessions_.find(id);
+    if (found == sessions_.end()) return;
+    session = std::move(found->second);
+    sessions_.erase(found);
+    metrics_.sessions(sessions_.size());
+  }
+  session->end({ErrorCode::kConflict, "The session goes on at another render server.", {}});
+}
+
+std::vector<SessionHost::Session> SessionHost::all() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Session> sessions;
+  for (const auto& [id, session] : sessions_) sessions.push_back(session);
+  return sessions;
+}
+
+std::vector<SessionHost::Live> SessionHost::live() const {
+  std::vector<Live> live;
+  for (const Session& session : all()) live.push_back({session->id(), session->placement()});
+  return live;
+}
+
+std::vector<LiveSession::Saved> SessionHost::take_unsaved() {
+  std::vector<LiveSession::Saved> unsaved;
+  for (const Session& session : all()) {
+    if (auto saved = session->take_unsaved()) unsaved.push_back(std::move(*saved));
+  }
+  return unsaved;
+}
+
+void SessionHost::mark_unsaved(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  if (const auto found = sessions_.find(id); found != sessions_.end())
+    found->second->mark_unsaved();
+}
+
+std::size_t SessionHost::used() const {
+  const std::lock_guard lock(mutex_);
+  return sessions_.size();
+}
+
+}  // namespace diaphane::render

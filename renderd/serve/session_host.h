@@ -1,0 +1,85 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "api/proto/worker.pb.h"
+#include "renderd/serve/live_session.h"
+#include "renderd/session/volume_cache.h"
+
+namespace diaphane::render {
+
+/// One connection's hold on a session.
+class Attachment {
+ public:
+  Attachment(std::shared_ptr<LiveSession> session, std::uint64_t connection)
+      : session_(std::move(session)), connection_(connection) {}
+  void receive(const std::string& client_message) {
+    session_->receive(connection_, client_message);
+  }
+  void closed() { session_->closed(connection_); }
+
+ private:
+  std::shared_ptr<LiveSession> session_;
+  std::uint64_t connection_;
+};
+
+/// The sessions of this worker: opened, taken over, kept a while after their viewer left, ended.
+class SessionHost {
+ public:
+  struct Options {
+    std::size_t slots = 4;  ///< sessions at most, those that wait for a viewer included
+    std::chrono::seconds keep_abandoned{30};  ///< so that a reload is where one was
+  };
+  /// What the heartbeat tells of a session.
+  struct Live {
+    std::string id;
+    std::uint64_t placement = 0;
+  };
+
+  SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
+              VolumeCache& volumes, Metrics& metrics, const Clock& clock);
+  ~SessionHost();
+
+  /// Opens a session or takes over one that is here. kTooMany: no slot is free; kConflict: it was
+  /// placed anew since; kUnavailable: draining; kInvalid: an identifier that is none.
+  Result<Attachment> open(const diaphane::v1::Open& open, std::shared_ptr<ClientLink> link);
+
+  /// Ends what nobody came back to; once or more a second.
+  void tick();
+  /// Refuses new sessions from now on.
+  void refuse_new();
+  /// Ends all with a fatal Problem "unavailable", so that their viewers come back elsewhere.
+  void end_all();
+  /// It lives on another worker now: ended here.
+  void moved_away(const std::string& id);
+
+  std::vector<Live> live() const;
+  std::vector<LiveSession::Saved> take_unsaved();
+  void mark_unsaved(const std::string& id);
+  std::size_t used() const;
+  std::size_t slots() const { return options_.slots; }
+
+ private:
+  using Session = std::shared_ptr<LiveSession>;
+  void forget(const std::string& id, const LiveSession* session);
+  Session evict_abandoned();  // under the lock; empty when all are looked at
+  std::vector<Session> all() const;
+
+  const Options options_;
+  Engine& engine_;
+  Runner& runner_;
+  EncodePool& encoders_;
+  VolumeCache& volumes_;
+  Metrics& metrics_;
+  const Clock& clock_;
+
+  mutable std::mutex mutex_;
+  std::map<std::string, Session> sessions_;
+  bool refusing_ = false;
+};
+
+}  // namespace diaphane::render

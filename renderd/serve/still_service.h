@@ -1,0 +1,52 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+
+#include "api/proto/worker.pb.h"
+#include "common/clock.h"
+#include "renderd/encode/encode_pool.h"
+#include "renderd/schedule/runner.h"
+#include "renderd/serve/metrics.h"
+#include "renderd/session/volume_cache.h"
+
+namespace diaphane::render {
+
+/// Pictures without a session: thumbnails. At most `kPending` wait at a time; they are rendered in
+/// the sessions' pauses.
+class StillService {
+ public:
+  using Done = std::function<void(Result<diaphane::v1::StillReply>)>;
+  static constexpr int kPending = 16;
+  static constexpr std::uint32_t kMostSamples = 4096;
+
+  StillService(Engine& engine, Runner& runner, EncodePool& encoders, VolumeCache& volumes,
+               Metrics& metrics, const Clock& clock)
+      : engine_(engine),
+        runner_(runner),
+        encoders_(encoders),
+        volumes_(volumes),
+        metrics_(metrics),
+        clock_(clock) {}
+
+  /// `done` is called once, from any thread, maybe from within. kTooMany: enough are waiting.
+  /// `cancelled` set: nobody waits any more.
+  void render(const diaphane::v1::StillRequest& request,
+              std::shared_ptr<const std::atomic<bool>> cancelled, Done done);
+
+ private:
+  struct Order;
+  void begin(std::shared_ptr<Order> order, Result<VolumeCache::Handle> volume);
+
+  Engine& engine_;
+  Runner& runner_;
+  EncodePool& encoders_;
+  VolumeCache& volumes_;
+  Metrics& metrics_;
+  const Clock& clock_;
+  // Shared with the orders: the last of them may outlive this.
+  const std::shared_ptr<std::atomic<int>> pending_ = std::make_shared<std::atomic<int>>(0);
+};
+
+}  // namespace diaphane::render

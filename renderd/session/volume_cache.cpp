@@ -1,0 +1,129 @@
+#include "renderd/session/volume_cache.h"
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+namespace diaphane::render {
+
+VolumeCache::VolumeCache(Load load, std::uint64_t bound, unsigned threads)
+    : load_(std::move(load)), bound_(bound) {
+  for (unsigned i = 0; i < std::max(threads, 1U); ++i) threads_.emplace_back([this] { work(); });
+}
+
+VolumeCache::~VolumeCache() {
+  std::vector<Ready> abandoned;
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    for (const std::string& id : queue_) {
+      for (Ready& ready : entries_[id].waiting) abandoned.push_back(std::move(ready));
+      entries_.erase(id);
+    }
+    queue_.clear();
+  }
+  work_ready_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+  for (const Ready& ready : abandoned) {
+    ready(fail(ErrorCode::kUnavailable, "The render server is stopping."));
+  }
+}
+
+void VolumeCache::get(const std::string& id, Ready ready) {
+  Handle present;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto [found, is_new] = entries_.try_emplace(id);
+    Entry& entry = found->second;
+    entry.used = ++turn_;
+    if (entry.volume) {
+      present = entry.volume;
+    } else {
+      entry.waiting.push_back(std::move(ready));
+      if (!is_new) return;
+      queue_.push_back(id);
+    }
+  }
+  if (present) {
+    ready(std::move(present));
+  } else {
+    work_ready_.notify_one();
+  }
+}
+
+Result<VolumeCache::Handle> VolumeCache::load_safely(const std::string& id) {
+  try {
+    return load_(id);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kOutOfMemory, "No memory for this volume.");
+  }
+}
+
+// Under the lock. True when `needed` more bytes fit.
+bool VolumeCache::make_room(std::uint64_t needed) {
+  while (bytes_ + needed > bound_) {
+    auto oldest = entries_.end();
+    for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
+      // Held by this cache alone: nobody can take it meanwhile but through the lock.
+      if (!entry->second.volume || entry->second.volume.use_count() != 1) continue;
+      if (oldest == entries_.end() || entry->second.used < oldest->second.used) oldest = entry;
+    }
+    if (oldest == entries_.end()) return false;
+    bytes_ -= oldest->second.volume->device_bytes();
+    entries_.erase(oldest);
+  }
+  return true;
+}
+
+void VolumeCache::work() {
+  for (;;) {
+    std::string id;
+    {
+      std::unique_lock lock(mutex_);
+      work_ready_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
+      if (queue_.empty()) return;
+      id = std::move(queue_.front());
+      queue_.pop_front();
+    }
+    Result<Handle> volume = load_safely(id);
+    std::vector<Ready> waiting;
+    {
+      const std::lock_guard lock(mutex_);
+      ++loads_;
+      const auto entry = entries_.find(id);
+      waiting = std::move(entry->second.waiting);
+      if (volume && !make_room((*volume)->device_bytes())) {
+        volume = fail(ErrorCode::kOutOfMemory,
+                      "The render server's memory is full of volumes that people look at.");
+      }
+      if (volume) {
+        entry->second.volume = *volume;
+        bytes_ += (*volume)->device_bytes();
+      } else {
+        entries_.erase(entry);
+      }
+    }
+    for (const Ready& ready : waiting) ready(volume);
+  }
+}
+
+std::vector<std::string> VolumeCache::loaded() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> ids;
+  for (const auto& [id, entry] : entries_) {
+    if (entry.volume) ids.push_back(id);
+  }
+  return ids;
+}
+
+std::uint64_t VolumeCache::bytes() const {
+  const std::lock_guard lock(mutex_);
+  return bytes_;
+}
+
+std::uint64_t VolumeCache::loads() const {
+  const std::lock_guard lock(mutex_);
+  return loads_;
+}
+
+}  // namespace diaphane::render

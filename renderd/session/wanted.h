@@ -1,0 +1,58 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+
+#include "renderd/engine/frame_renderer.h"
+
+namespace diaphane::render {
+
+/// What a viewer wants to see now. Absolute, so that the newest replaces all before it.
+struct Wanted {
+  std::uint64_t version = 0;  ///< rises when scene or viewport change, and only then
+  std::shared_ptr<const diaphane::v1::Scene> scene;
+  Canvas viewport;
+  std::uint64_t input_seq = 0;  ///< the newest input in it
+  std::chrono::steady_clock::time_point last_input{};
+  bool visible = true;
+  bool room = true;            ///< its slot before the encoder is free and the viewer keeps up
+  bool picture_again = false;  ///< a picture is due although nothing changed
+};
+
+/// What a picture is of.
+struct FrameInfo {
+  std::uint64_t epoch = 0;
+  std::uint64_t input_seq = 0;
+  std::uint64_t samples = 0;    ///< per pixel
+  double error = 0;             ///< infinite while unknown
+  std::uint64_t render_us = 0;  ///< rendering since the epoch began
+  bool first_of_epoch = false;
+  bool moving = false;     ///< code it for speed, not for quality
+  bool converged = false;  ///< the last of its epoch
+};
+
+struct RenderedPicture {
+  FrameInfo info;
+  PictureRgb8 picture;
+};
+
+/// A viewer as the runner sees it. Called from the runner's thread; never blocks for long.
+class RenderClient {
+ public:
+  virtual ~RenderClient() = default;
+  /// Also takes note that `picture_again` was read: the runner acts on it at once.
+  virtual Wanted wanted() = 0;
+  /// Wanted::version without a lock: polled while rendering.
+  virtual std::uint64_t version() const noexcept = 0;
+  /// The renderer took `wanted`; pictures of it carry `epoch`.
+  virtual void began(std::uint64_t epoch, const Wanted& wanted) = 0;
+  /// The renderer did not take `wanted`: the picture before it stays.
+  virtual void refused(const Wanted& wanted, const Error& why) = 0;
+  virtual void rendered(const Batch& batch) = 0;
+  virtual void picture(RenderedPicture picture) = 0;
+  /// The session cannot go on; the runner has dropped it.
+  virtual void failed(const Error& why) = 0;
+};
+
+}  // namespace diaphane::render
