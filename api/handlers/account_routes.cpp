@@ -1,0 +1,74 @@
+#include "api/handlers/representations.h"
+#include "api/handlers/request_fields.h"
+#include "api/handlers/routes.h"
+
+namespace diaphane::api {
+namespace {
+
+struct Credentials {
+  std::string email, password;
+};
+
+Outcome<Credentials> read_credentials(const Request& request) {
+  Fields in(request);
+  Credentials credentials{in.text("email", 3, 254), in.secret("password", 800)};
+  if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+  return credentials;
+}
+
+Outcome<Response> me(Accounts& accounts, const Principal& who) {
+  const auto quota = accounts.quota_of(who.user_id);
+  if (!quota) return tl::unexpected(quota.error());
+  return json_response(200, {{"id", who.user_id},
+                             {"email", who.email},
+                             {"csrf_token", who.csrf_token},
+                             {"quota", {{"bytes", quota->bytes}, {"used_bytes", quota->used}}}});
+}
+
+}  // namespace
+
+std::vector<Route> account_routes(Accounts& accounts, const Front& front) {
+  const auto sign_up = [&accounts](const Request& request, const Principal&) -> Outcome<Response> {
+    const auto given = read_credentials(request);
+    if (!given) return tl::unexpected(given.error());
+    const auto done = accounts.sign_up(given->email, given->password, request.address);
+    if (!done) return tl::unexpected(done.error());
+    return empty_response(202);
+  };
+  const auto verify = [&accounts](const Request& request, const Principal&) -> Outcome<Response> {
+    Fields in(request);
+    const std::string token = in.text("token", 1, 200);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    const auto done = accounts.verify(token);
+    if (!done) return tl::unexpected(done.error());
+    return empty_response(204);
+  };
+  const auto sign_in = [&accounts, &front](const Request& request,
+                                           const Principal&) -> Outcome<Response> {
+    const auto given = read_credentials(request);
+    if (!given) return tl::unexpected(given.error());
+    const auto opened = accounts.sign_in(given->email, given->password, request.address);
+    if (!opened) return tl::unexpected(opened.error());
+    auto response = me(accounts, opened->principal);
+    if (response) response->with("Set-Cookie", front.cookie(opened->token));
+    return response;
+  };
+  const auto sign_out = [&accounts, &front](const Request& request,
+                                            const Principal&) -> Outcome<Response> {
+    const auto done = accounts.sign_out(Front::token_of(request));
+    if (!done) return tl::unexpected(done.error());
+    return empty_response(204).with("Set-Cookie", front.cookie(""));
+  };
+  const auto get_me = [&accounts](const Request&, const Principal& who) {
+    return me(accounts, who);
+  };
+  return {
+      {"POST", "/v1/accounts", "signUp", Access::kAnyone, sign_up, {}},
+      {"POST", "/v1/accounts/verify", "verifyAccount", Access::kAnyone, verify, {}},
+      {"POST", "/v1/sign-in", "signIn", Access::kAnyone, sign_in, {}},
+      {"POST", "/v1/sign-out", "signOut", Access::kPerson, sign_out, {}},
+      {"GET", "/v1/me", "getMe", Access::kPerson, get_me, {}},
+  };
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,86 @@
+#include "api/handlers/representations.h"
+#include "api/handlers/request_fields.h"
+#include "api/handlers/routes.h"
+
+namespace diaphane::api {
+namespace {
+
+Outcome<Response> list(DataSets& data_sets, const Request& request, const Principal& who) {
+  const auto limit = integer_in_query(request, "limit", 50, 1, 100);
+  if (!limit) return tl::unexpected(limit.error());
+  std::optional<Cursor> after;
+  if (const auto given = request.query.find("cursor"); given != request.query.end()) {
+    auto cursor = decode_cursor(given->second);
+    if (!cursor) return refuse_field("cursor", cursor.error().message);
+    after = *std::move(cursor);
+  }
+  const auto page = data_sets.list(who, after, *limit);
+  if (!page) return tl::unexpected(page.error());
+  nlohmann::ordered_json body;
+  body["items"] = nlohmann::ordered_json::array();
+  for (const DataSet& data_set : page->items) body["items"].push_back(to_json(data_set));
+  body["next_cursor"] = nullptr;
+  if (page->next) body["next_cursor"] = encode_cursor(*page->next);
+  return json_response(200, body);
+}
+
+Outcome<Response> create(DataSets& data_sets, const Request& request, const Principal& who) {
+  auto key = idempotency_key(request);
+  if (!key) return tl::unexpected(key.error());
+  Fields in(request);
+  DataSets::Announcement announcement{in.text_or("title", "", 80),
+                                      in.integer("bytes", 1, INT64_MAX), *std::move(key)};
+  in.integer_or("slices", 1, 1, 100'000);
+  if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+  const auto made = data_sets.announce(who, announcement);
+  if (!made) return tl::unexpected(made.error());
+  return json_response(201,
+                       {{"data_set", to_json(*made)}, {"upload_url", "/v1/uploads/" + made->id}})
+      .with("Location", "/v1/data-sets/" + made->id);
+}
+
+}  // namespace
+
+std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails) {
+  const auto list_them = [&data_sets](const Request& request, const Principal& who) {
+    return list(data_sets, request, who);
+  };
+  const auto create_one = [&data_sets](const Request& request, const Principal& who) {
+    return create(data_sets, request, who);
+  };
+  const auto get_one = [&data_sets](const Request& request,
+                                    const Principal& who) -> Outcome<Response> {
+    const auto found = data_sets.find(who, request.parameter("data_set_id"));
+    if (!found) return tl::unexpected(found.error());
+    return json_response(200, to_json(*found));
+  };
+  const auto delete_one = [&data_sets](const Request& request,
+                                       const Principal& who) -> Outcome<Response> {
+    const auto done = data_sets.remove(who, request.parameter("data_set_id"));
+    if (!done) return tl::unexpected(done.error());
+    return empty_response(204);
+  };
+  const auto thumbnail = [&thumbnails](const Request& request,
+                                       const Principal& who) -> Outcome<Response> {
+    const auto path =
+        thumbnails.get(who, request.parameter("data_set_id"), request.parameter("preset"));
+    if (!path) return tl::unexpected(path.error());
+    // nginx sends the file; a data set never changes, so the picture is as good as its name.
+    Response response;
+    response.content_type = "image/jpeg";
+    return std::move(response)
+        .with("X-Accel-Redirect", "/_cache/" + *path)
+        .with("Cache-Control", "private, max-age=3600");
+  };
+  const std::string one = "/v1/data-sets/{data_set_id}";
+  constexpr auto kAccess = Access::kPersonOrOperator;
+  return {
+      {"GET", "/v1/data-sets", "listDataSets", kAccess, list_them, {"limit", "cursor"}},
+      {"POST", "/v1/data-sets", "createDataSet", kAccess, create_one, {}},
+      {"GET", one, "getDataSet", kAccess, get_one, {}},
+      {"DELETE", one, "deleteDataSet", kAccess, delete_one, {}},
+      {"GET", one + "/thumbnails/{preset}", "getThumbnail", Access::kPerson, thumbnail, {}},
+  };
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,231 @@
+#include "api/handlers/front.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <exception>
+
+#include "api/handlers/problem_document.h"
+#include "api/handlers/target.h"
+#include "api/service/secrets.h"
+#include "common/ids.h"
+#include "common/log.h"
+
+namespace diaphane::api {
+namespace {
+
+constexpr std::size_t kMaxResponseBytes = 1024 * 1024;
+constexpr std::string_view kCookie = "diaphane";
+
+std::string request_id_of(const Head& head) {
+  const std::string_view given = head.header("x-request-id");
+  const bool plain = given.size() >= 8 && given.size() <= 64 &&
+                     std::all_of(given.begin(), given.end(), [](char c) {
+                       return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                              (c >= '0' && c <= '9') || c == '-';
+                     });
+  return plain ? std::string(given) : random_hex(16);
+}
+
+bool is_safe(const std::string& method) {
+  return method == "GET" || method == "HEAD" || method == "OPTIONS";
+}
+
+bool is_header_text(const std::string& text) {
+  return std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
+}
+
+}  // namespace
+
+Front::Front(Accounts& accounts, Options options)
+    : accounts_(accounts),
+      options_(std::move(options)),
+      secure_(options_.public_url.starts_with("https://")) {}
+
+void Front::add(std::vector<Route> routes) {
+  std::move(routes.begin(), routes.end(), std::back_inserter(routes_));
+}
+
+Front::Admission Front::admit(Head head) const {
+  Request request;
+  static_cast<Head&>(request) = std::move(head);
+  request.request_id = request_id_of(request);
+  const std::string_view address = request.header("x-forwarded-for");
+  request.address = address.empty() ? "local" : std::string(address);
+
+  auto target = parse_target(request.target);
+  if (!target) return refusal(target.error(), request);
+  request.query = std::move(target->query);
+
+  const bool head_request = request.method == "HEAD";
+  const Route* chosen = nullptr;
+  std::string allowed;
+  const auto allow = [&](const std::string& method) {
+    allowed += (allowed.empty() ? "" : ", ") + method;
+  };
+  for (const Route& route : routes_) {
+    auto parameters = match_path(route.pattern, target->path);
+    if (!parameters) continue;
+    allow(route.method);
+    if (route.method == "GET") allow("HEAD");
+    // HEAD is answered as GET, without the body, where it has no route of its own.
+    const bool fits = route.method == request.method || (head_request && route.method == "GET");
+    if (!fits || chosen) continue;
+    chosen = &route;
+    request.parameters = *std::move(parameters);
+  }
+  if (allowed.empty()) {
+    return refusal({ProblemKind::kNotFound, "There is nothing at this address.", {}, {}}, request);
+  }
+  if (!chosen && request.method == "OPTIONS") {
+    allow("OPTIONS");
+    Response response;
+    response.status = 204;
+    return finish(std::move(response).with("Allow", allowed), request);
+  }
+  if (!chosen) {
+    return refusal({ProblemKind::kMethodNotAllowed, "Allowed here: " + allowed + ".", {}, {}},
+                   request)
+        .with("Allow", allowed);
+  }
+  for (const auto& [name, value] : request.query) {
+    if (std::find(chosen->query.begin(), chosen->query.end(), name) != chosen->query.end())
+      continue;
+    return refusal({ProblemKind::kInvalid,
+                    "A part of the request is wrong.",
+                    {{"query", "has a parameter that is not known here"}},
+                    {}},
+                   request);
+  }
+  // The edge buffers bodies and sends their length; chunks never come this far.
+  if (!request.header("transfer-encoding").empty()) {
+    return refusal({ProblemKind::kBadRequest, "A body needs its Content-Length.", {}, {}}, request);
+  }
+  if (const std::string_view text = request.header("content-length"); !text.empty()) {
+    std::int64_t length = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
+    if (error != std::errc() || end != text.data() + text.size() || length < 0) {
+      return refusal({ProblemKind::kBadRequest, "Content-Length is no number.", {}, {}}, request);
+    }
+    if (length > chosen->body_limit) {
+      return refusal({ProblemKind::kBodyTooLarge,
+                      "The body has at most " + std::to_string(chosen->body_limit) + " bytes here.",
+                      {},
+                      {}},
+                     request);
+    }
+  }
+  return Admitted{chosen, std::move(request)};
+}
+
+Outcome<void> Front::check_origin(const Request& request) const {
+  const std::string_view origin = request.header("origin");
+  if (is_safe(request.method) || origin.empty() || origin == options_.public_url) return {};
+  return refuse(ProblemKind::kOrigin, "Requests from other pages are refused.");
+}
+
+Outcome<Principal> Front::identify(const Route& route, const Request& request) const {
+  if (auto same = check_origin(request); !same) return tl::unexpected(same.error());
+  if (route.access == Access::kAnyone) return Principal{};
+
+  constexpr std::string_view kBearer = "Bearer ";
+  const std::string_view authorization = request.header("authorization");
+  if (!authorization.empty()) {
+    const bool known =
+        route.access == Access::kPersonOrOperator && !options_.sample_token.empty() &&
+        authorization.starts_with(kBearer) &&
+        equal_in_constant_time(authorization.substr(kBearer.size()), options_.sample_token);
+    if (!known) return refuse(ProblemKind::kUnauthenticated, "This token is not known here.");
+    Principal operator_of_sample;
+    operator_of_sample.sample_operator = true;
+    return operator_of_sample;
+  }
+
+  auto principal = accounts_.authenticate(token_of(request));
+  if (!principal) return principal;
+  if (!is_safe(request.method) &&
+      !equal_in_constant_time(request.header("x-csrf-token"), principal->csrf_token)) {
+    return refuse(ProblemKind::kCsrf, "X-CSRF-Token is missing or wrong; load the page anew.");
+  }
+  return principal;
+}
+
+Response Front::serve(Admitted& admitted) const {
+  const auto began = std::chrono::steady_clock::now();
+  const Route& route = *admitted.route;
+  const Request& request = admitted.request;
+  const log::RequestScope scope(request.request_id);
+  Response response;
+  try {
+    const auto principal = identify(route, request);
+    auto outcome = principal ? route.handler(request, *principal)
+                             : Outcome<Response>(tl::unexpected(principal.error()));
+    response =
+        outcome ? *std::move(outcome) : problem_response(outcome.error(), request.request_id);
+    if (principal && principal->renewed) {
+      response.with("Set-Cookie", cookie(token_of(request)));
+    }
+    if (response.body.size() > kMaxResponseBytes) throw std::length_error("response over 1 MB");
+  } catch (const std::exception& thrown) {
+    log::error("request failed", {{"operation", route.operation}, {"reason", thrown.what()}});
+    response = problem_response(from_error({ErrorCode::kInternal, {}, {}}), request.request_id);
+  }
+  response = finish(std::move(response), request);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  const auto bytes = static_cast<std::int64_t>(request.body.size());
+  log::info("request", {{"operation", route.operation},
+                        {"status", response.status},
+                        {"ms", seconds * 1000},
+                        {"body_bytes", bytes}});
+  options_.measure({route.operation, response.status, seconds, bytes});
+  return response;
+}
+
+Response Front::refusal(const Problem& problem, const Request& request) const {
+  Response response = finish(problem_response(problem, request.request_id), request);
+  options_.measure({"none", response.status, 0, 0});
+  return response;
+}
+
+Response Front::finish(Response response, const Request& request) const {
+  response.with("X-Request-Id", request.request_id);
+  response.with("X-Content-Type-Options", "nosniff");
+  if (request.target.starts_with("/v1/uploads")) response.with("Tus-Resumable", "1.0.0");
+  const bool cached = std::any_of(response.headers.begin(), response.headers.end(),
+                                  [](const auto& h) { return h.first == "Cache-Control"; });
+  if (!cached) response.with("Cache-Control", "no-store");
+  if (request.method == "HEAD") {
+    response.body.clear();
+    response.content_type.clear();
+  }
+  // A line break in a header would be the start of another response.
+  std::erase_if(response.headers, [](const auto& header) {
+    const bool bad = !is_header_text(header.first) || !is_header_text(header.second);
+    if (bad) log::error("response header dropped", {{"header", header.first}});
+    return bad;
+  });
+  return response;
+}
+
+std::string Front::cookie(const std::string& token) const {
+  const auto age = token.empty() ? std::chrono::seconds(0) : accounts_.session_life();
+  return std::string(kCookie) + "=" + token + "; Path=/; Max-Age=" + std::to_string(age.count()) +
+         "; HttpOnly; SameSite=Strict" + (secure_ ? "; Secure" : "");
+}
+
+std::string Front::token_of(const Head& head) {
+  std::string_view rest = head.header("cookie");
+  while (!rest.empty()) {
+    const std::size_t end = rest.find(';');
+    std::string_view pair = rest.substr(0, end);
+    rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
+    while (pair.starts_with(' ')) pair.remove_prefix(1);
+    if (pair.starts_with(kCookie) && pair.substr(kCookie.size()).starts_with('=')) {
+      return std::string(pair.substr(kCookie.size() + 1));
+    }
+  }
+  return {};
+}
+
+}  // namespace diaphane::api

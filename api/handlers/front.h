@@ -1,0 +1,88 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "api/handlers/message.h"
+#include "api/service/accounts.h"
+#include "api/service/problem.h"
+
+namespace diaphane::api {
+
+/// Who may ask.
+enum class Access {
+  kAnyone,
+  kPerson,            ///< with the cookie
+  kPersonOrOperator,  ///< with the cookie, or with the sample's token
+};
+
+/// One operation of api/openapi.yaml. The handler parses, calls a service, replies; the principal
+/// is empty for kAnyone.
+struct Route {
+  using Handler = std::function<Outcome<Response>(const Request&, const Principal&)>;
+  std::string method;
+  std::string pattern;    ///< "/v1/data-sets/{data_set_id}"
+  std::string operation;  ///< its operationId
+  Access access = Access::kPerson;
+  Handler handler;
+  std::vector<std::string> query;         ///< the parameters it knows
+  std::int64_t body_limit = 1024 * 1024;  ///< bytes
+};
+
+/// What was measured of a request.
+struct Measured {
+  std::string operation;  ///< or "none"
+  int status = 0;
+  double seconds = 0;
+  std::int64_t body_bytes = 0;
+};
+
+/// What comes before and after every handler: the route, who asks, cross-site requests, problem
+/// documents, request ids, the log line, metrics. Knows no HTTP library; thread-safe once the
+/// routes are added.
+class Front {
+ public:
+  struct Options {
+    std::string public_url;    ///< the page's origin
+    std::string sample_token;  ///< empty: nobody is the sample's operator
+    std::function<void(const Measured&)> measure = [](const Measured&) {};
+  };
+
+  /// A request whose head was let in; its body may be read, up to the limit.
+  struct Admitted {
+    const Route* route = nullptr;
+    Request request;
+  };
+  /// Or the answer at once.
+  using Admission = std::variant<Admitted, Response>;
+
+  Front(Accounts& accounts, Options options);
+
+  void add(std::vector<Route> routes);
+
+  /// From the head alone: 400, 404, 405, and a body that is announced as too large.
+  Admission admit(Head head) const;
+  /// Runs the handler; may block. Every outcome is a response, also a defect.
+  Response serve(Admitted& admitted) const;
+  /// The answer when something other than a handler refuses (no room, a broken body).
+  Response refusal(const Problem& problem, const Request& request) const;
+
+  /// `diaphane=...` and its attributes; an empty token removes it.
+  std::string cookie(const std::string& token) const;
+  static std::string token_of(const Head& head);
+
+ private:
+  Outcome<Principal> identify(const Route& route, const Request& request) const;
+  Outcome<void> check_origin(const Request& request) const;
+  Response finish(Response response, const Request& request) const;
+
+  Accounts& accounts_;
+  Options options_;
+  bool secure_;
+  std::vector<Route> routes_;
+};
+
+}  // namespace diaphane::api

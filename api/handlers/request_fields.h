@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/handlers/message.h"
+#include "api/service/problem.h"
+
+namespace diaphane::api {
+
+/// Reads the JSON object of a request strictly, field by field, and collects everything that is
+/// wrong with it:
+///
+///   Fields in(request);
+///   const std::string email = in.text("email", 3, 254);
+///   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+class Fields {
+ public:
+  explicit Fields(const Request& request);
+
+  /// Required. `low` to `high` characters of UTF-8; no control character (a line feed in a title is
+  /// a mistake, a NUL an attack).
+  std::string text(const std::string& name, std::size_t low, std::size_t high);
+  std::string text_or(const std::string& name, std::string fallback, std::size_t high);
+  /// As it is, control characters too: passwords.
+  std::string secret(const std::string& name, std::size_t high_bytes);
+  std::int64_t integer(const std::string& name, std::int64_t low, std::int64_t high);
+  std::int64_t integer_or(const std::string& name, std::int64_t fallback, std::int64_t low,
+                          std::int64_t high);
+
+  /// kMediaType, kBadRequest (no JSON), or kInvalid with each mistake, unknown fields among them;
+  /// or nothing.
+  std::optional<Problem> finish();
+
+ private:
+  const nlohmann::json* take(const std::string& name, bool required);
+  std::string check_text(const std::string& name, const nlohmann::json& value, std::size_t low,
+                         std::size_t high);
+  std::int64_t check_integer(const std::string& name, const nlohmann::json& value, std::int64_t low,
+                             std::int64_t high);
+  void wrong(std::string field, std::string message);
+
+  nlohmann::json object_ = nlohmann::json::object();
+  std::vector<std::string> known_;
+  std::vector<FieldProblem> mistakes_;
+  std::optional<Problem> unreadable_;
+};
+
+/// A number from the query, or `fallback`; kInvalid names the parameter.
+Outcome<int> integer_in_query(const Request& request, const std::string& name, int fallback,
+                              int low, int high);
+
+/// The header, or empty when absent; kInvalid for what no key may be.
+Outcome<std::string> idempotency_key(const Request& request);
+
+}  // namespace diaphane::api

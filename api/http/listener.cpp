@@ -1,0 +1,240 @@
+#include "api/http/listener.h"
+
+#include <cpprest/http_listener.h>
+#include <pplx/threadpool.h>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <condition_variable>
+#include <mutex>
+
+#include "common/log.h"
+
+namespace diaphane::api {
+namespace {
+
+using web::http::http_request;
+using web::http::http_response;
+using web::http::experimental::listener::http_listener;
+
+/// A body that is refused is still read up to this size, so that the connection can be kept.
+constexpr std::int64_t kSwallowBytes = 64 * 1024;
+
+Head head_of(const http_request& message) {
+  Head head;
+  head.method = message.method();
+  head.target = message.request_uri().to_string();
+  for (const auto& [name, value] : message.headers()) {
+    std::string lower = name;
+    std::transform(lower.begin(), lower.end(), lower.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    head.headers.insert_or_assign(std::move(lower), value);
+  }
+  return head;
+}
+
+std::int64_t announced_bytes(const http_request& message) {
+  const auto found = message.headers().find("Content-Length");
+  if (found == message.headers().end()) return 0;
+  std::int64_t length = 0;
+  const std::string& text = found->second;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
+  return error == std::errc() ? length : INT64_MAX;
+}
+
+/// Counts requests from their head to the last byte of their answer.
+class InFlight {
+ public:
+  void enter() {
+    const std::lock_guard lock(mutex_);
+    ++count_;
+  }
+  void leave() {
+    const std::lock_guard lock(mutex_);
+    if (--count_ == 0) none_.notify_all();
+  }
+  bool wait_for_none(std::chrono::milliseconds patience) {
+    std::unique_lock lock(mutex_);
+    return none_.wait_for(lock, patience, [this] { return count_ == 0; });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable none_;
+  int count_ = 0;
+};
+
+}  // namespace
+
+struct Listener::Impl {
+  Impl(const Front& f, Executor& e, Options o)
+      : front(f),
+        executor(e),
+        options(o),
+        listener(web::uri("http://127.0.0.1:" + std::to_string(o.port))) {}
+
+  /// One request on its way; the last holder gives its share of the budget back.
+  struct Exchange {
+    Exchange(Impl& i, http_request m) : impl(i), message(std::move(m)) { impl.in_flight.enter(); }
+    ~Exchange() {
+      impl.body_bytes -= bytes;
+      impl.in_flight.leave();
+    }
+    Exchange(const Exchange&) = delete;
+    Exchange& operator=(const Exchange&) = delete;
+
+    Impl& impl;
+    http_request message;
+    Front::Admitted admitted;
+    std::int64_t bytes = 0;
+  };
+  using Shared = std::shared_ptr<Exchange>;
+
+  void receive(const http_request& message);
+  void run(const Shared& exchange);
+  void refuse_body(const Shared& exchange, Response response);
+  void reply(const Shared& exchange, const Response& response);
+
+  const Front& front;
+  Executor& executor;
+  const Options options;
+  http_listener listener;
+  InFlight in_flight;
+  std::atomic<std::int64_t> body_bytes{0};
+  std::atomic<bool> draining{false};
+};
+
+void Listener::Impl::receive(const http_request& message) {
+  const auto exchange = std::make_shared<Exchange>(*this, message);
+  Front::Admission admission = front.admit(head_of(message));
+  if (auto* response = std::get_if<Response>(&admission)) {
+    refuse_body(exchange, std::move(*response));
+    return;
+  }
+  exchange->admitted = std::get<Front::Admitted>(std::move(admission));
+  const auto no_room = [&](const char* why) {
+    refuse_body(exchange, front.refusal({ProblemKind::kBusy, why, {}, std::chrono::seconds(1)},
+                                        exchange->admitted.request));
+  };
+  if (draining) return no_room("This server is being stopped; try again.");
+  exchange->bytes = announced_bytes(message);
+  if ((body_bytes += exchange->bytes) > options.body_budget) {
+    return no_room("Too much is being uploaded just now; try again shortly.");
+  }
+  exchange->message.extract_vector()
+      .then([this, exchange](const pplx::task<std::vector<unsigned char>>& body) {
+        try {
+          const auto& bytes = body.get();
+          exchange->admitted.request.body.assign(bytes.begin(), bytes.end());
+        } catch (const std::exception&) {
+          // The peer went away in the middle; there is nobody to answer, but the library waits for
+          // an answer.
+          reply(exchange, front.refusal({ProblemKind::kBadRequest, "The body broke off.", {}, {}},
+                                        exchange->admitted.request));
+          return;
+        }
+        if (!executor.submit([this, exchange] { run(exchange); })) {
+          reply(exchange, front.refusal({ProblemKind::kBusy,
+                                         "Too much is going on just now; try again shortly.",
+                                         {},
+                                         std::chrono::seconds(1)},
+                                        exchange->admitted.request));
+        }
+      })
+      .then([](const pplx::task<void>& done) {
+        try {
+          done.get();
+        } catch (const std::exception& thrown) {
+          log::error("request lost", {{"reason", thrown.what()}});
+        }
+      });
+}
+
+void Listener::Impl::run(const Shared& exchange) {
+  try {
+    const Response response = front.serve(exchange->admitted);
+    exchange->admitted.request.body = {};
+    reply(exchange, response);
+  } catch (const std::exception& thrown) {
+    log::error("reply failed", {{"reason", thrown.what()}});
+  }
+}
+
+void Listener::Impl::refuse_body(const Shared& exchange, Response response) {
+  const bool chunked = exchange->message.headers().has("Transfer-Encoding");
+  if (chunked || announced_bytes(exchange->message) > kSwallowBytes) {
+    // Without an exception a thread of the library would spin for ever on a stream that takes no
+    // byte.
+    exchange->message.body().streambuf().close(
+        std::ios_base::out, std::make_exception_ptr(std::runtime_error("body refused")));
+    response.with("Connection", "close");
+  }
+  reply(exchange, response);
+}
+
+void Listener::Impl::reply(const Shared& exchange, const Response& response) {
+  http_response answer(static_cast<web::http::status_code>(response.status));
+  if (answer.reason_phrase().empty()) answer.set_reason_phrase("Refused");
+  if (!response.body.empty()) {
+    answer.set_body(response.body, response.content_type);
+  } else if (!response.content_type.empty()) {
+    answer.headers().set_content_type(response.content_type);
+  }
+  for (const auto& [name, value] : response.headers) answer.headers().add(name, value);
+  if (draining) answer.headers()["Connection"] = "close";
+  exchange->message.reply(answer).then([exchange](const pplx::task<void>& sent) {
+    try {
+      sent.get();
+    } catch (const std::exception&) {
+      // The peer went away.
+    }
+  });
+}
+
+Result<std::unique_ptr<Listener>> Listener::open(const Front& front, Executor& executor,
+                                                 Options options) {
+  crossplat::threadpool::initialize_with_threads(static_cast<std::size_t>(options.library_threads));
+  auto impl = std::make_unique<Impl>(front, executor, options);
+  Impl* const raw = impl.get();
+  const auto receive = [raw](const http_request& message) {
+    try {
+      raw->receive(message);
+    } catch (const std::exception& thrown) {
+      log::error("request refused", {{"reason", thrown.what()}});
+      message.reply(web::http::status_codes::InternalError).then([](const pplx::task<void>& sent) {
+        try {
+          sent.get();
+        } catch (const std::exception&) {
+        }
+      });
+    }
+  };
+  // The library answers these two by itself otherwise, TRACE with everything that it was sent.
+  impl->listener.support(web::http::methods::OPTIONS, receive);
+  impl->listener.support(web::http::methods::TRCE, receive);
+  impl->listener.support(receive);
+  try {
+    impl->listener.open().get();
+  } catch (const std::exception&) {
+    return fail(ErrorCode::kUnavailable,
+                "port " + std::to_string(options.port) + " on 127.0.0.1 is taken");
+  }
+  return std::unique_ptr<Listener>(new Listener(std::move(impl)));
+}
+
+Listener::Listener(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+void Listener::drain(std::chrono::milliseconds patience) {
+  impl_->draining = true;
+  if (!impl_->in_flight.wait_for_none(patience)) log::warning("requests cut off by the stop");
+  try {
+    impl_->listener.close().get();
+  } catch (const std::exception& thrown) {
+    log::warning("listener not closed in order", {{"reason", thrown.what()}});
+  }
+}
+
+Listener::~Listener() { drain(std::chrono::milliseconds(0)); }
+
+}  // namespace diaphane::api
