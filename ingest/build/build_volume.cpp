@@ -1,0 +1,101 @@
+#include "ingest/build/build_volume.h"
+
+#include <algorithm>
+#include <limits>
+#include <new>
+#include <unordered_map>
+
+#include "ingest/build/image_volume.h"
+#include "ingest/dicom/read_slice.h"
+
+namespace diaphane::ingest {
+namespace {
+
+constexpr std::int32_t kLow = std::numeric_limits<std::int16_t>::min();
+constexpr std::int32_t kHigh = std::numeric_limits<std::int16_t>::max();
+
+/// Values go into int16 as their low 16 bits while slices come; what that costs is settled at the
+/// end.
+class Voxels {
+ public:
+  explicit Voxels(bool is_ct) : is_ct_(is_ct) {}
+
+  void put(const std::vector<std::int32_t>& values, std::int16_t* to) {
+    for (const std::int32_t value : values) {
+      const std::int32_t kept = is_ct_ ? std::clamp(value, kLow, kHigh) : value;
+      clamped_ += kept != value ? 1 : 0;
+      largest_ = std::max(largest_, kept);
+      *to++ = static_cast<std::int16_t>(kept);
+    }
+  }
+
+  /// MR and PT of 16 unsigned bits reach 65535: then all values are halved.
+  void settle(volume::Volume& volume) const {
+    if (clamped_ > 0) {
+      volume.header.repairs.emplace_back("values beyond 32767 Hounsfield units were cut");
+    }
+    if (largest_ <= kHigh) return;
+    for (std::int16_t& voxel : volume.voxels) {
+      voxel = static_cast<std::int16_t>(static_cast<std::uint16_t>(voxel) >> 1);
+    }
+    volume.header.repairs.emplace_back("values were halved to be stored");
+  }
+
+ private:
+  bool is_ct_;
+  std::size_t clamped_ = 0;
+  std::int32_t largest_ = 0;
+};
+
+volume::Header header_of(const dicom::Assessment& found, const dicom::Choice& choice) {
+  volume::Header header;
+  header.size = found.size;
+  header.spacing = found.spacing;
+  header.direction = found.direction;
+  header.modality = found.modality;
+  header.window_center = found.window_center;
+  header.window_width = found.window_width;
+  header.repairs = choice.repairs;
+  return header;
+}
+
+}  // namespace
+
+Result<volume::Volume> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
+                                    const dicom::Choice& choice, const dicom::Limits& limits) {
+  const dicom::Series& series = scan.series[choice.index];
+  const dicom::Assessment& found = series.assessment;
+  std::unordered_map<std::size_t, std::size_t> place;  // file -> z
+  for (std::size_t z = 0; z < found.order.size(); ++z) {
+    place[series.slices[found.order[z]].file] = z;
+  }
+  volume::Volume volume{header_of(found, choice), {}};
+  try {
+    volume.voxels.resize(volume.header.voxel_count());
+    const auto image = borrow(volume);
+    Voxels voxels(found.modality == volume::Modality::kCt);
+    std::size_t done = 0;
+    const auto want = [&](std::size_t file) { return place.contains(file); };
+    const auto take = [&](std::size_t file, dicom::FileSource::Bytes bytes) -> Result<void> {
+      const std::size_t z = place[file];
+      const dicom::Precheck checked = dicom::precheck(bytes, limits);
+      if (checked.state != dicom::FileState::kFit)
+        return fail(ErrorCode::kInvalid, "a file has changed");
+      auto values = dicom::read_values(bytes, checked, series.slices[found.order[z]]);
+      if (!values) return tl::unexpected(values.error());
+      voxels.put(*values,
+                 static_cast<std::int16_t*>(image->GetScalarPointer(0, 0, static_cast<int>(z))));
+      ++done;
+      return {};
+    };
+    if (auto ok = source.visit(want, take); !ok) return tl::unexpected(ok.error());
+    if (done != place.size()) return fail(ErrorCode::kInvalid, "a file has gone");
+    voxels.settle(volume);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kOutOfMemory, "the volume needs more memory than is allowed");
+  }
+  volume::measure(volume);
+  return volume;
+}
+
+}  // namespace diaphane::ingest

@@ -1,0 +1,158 @@
+#include "ingest/build/image_volume.h"
+
+#include <vtkDataArray.h>
+#include <vtkImageFlip.h>
+#include <vtkMatrix3x3.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkShortArray.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "volume/header.h"
+
+namespace diaphane::ingest {
+namespace {
+
+constexpr double kLargest = 32767;
+
+/// How numbers of the file become int16.
+struct Scaling {
+  double slope = 1;
+  double intercept = 0;
+  std::string repair;
+};
+
+/// Integers that fit stay as they are. What does not fit, and floats that rounding would flatten,
+/// are scaled.
+Scaling scaling_for(double low, double high, bool is_float) {
+  Scaling scaling;
+  const double reach = std::max(std::abs(low), std::abs(high));
+  constexpr double kFewSteps = 255;
+  const bool flat = is_float && reach > 0 && high - low < kFewSteps;
+  if (reach <= kLargest + 0.5 && !flat) return scaling;
+  constexpr double kRound = 30000;  // room for what interpolation overshoots
+  scaling.slope = flat || is_float ? kRound / reach : 0.5;
+  char text[80];
+  std::snprintf(text, sizeof text, "values were multiplied by %.6g to be stored", scaling.slope);
+  scaling.repair = text;
+  return scaling;
+}
+
+template <typename T>
+void convert(const T* from, std::size_t count, double slope, double intercept, std::int16_t* to) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const double value = slope * static_cast<double>(from[i]) + intercept;
+    // A voxel that is not a number is taken for nothing.
+    to[i] = std::isfinite(value)
+                ? static_cast<std::int16_t>(std::lround(std::clamp(value, -32768.0, kLargest)))
+                : std::int16_t{0};
+  }
+}
+
+/// Smallest and largest finite value.
+template <typename T>
+std::array<double, 2> range_of(const T* from, std::size_t count) {
+  std::array<double, 2> range{HUGE_VAL, -HUGE_VAL};
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto value = static_cast<double>(from[i]);
+    if (!std::isfinite(value)) continue;
+    range = {std::min(range[0], value), std::max(range[1], value)};
+  }
+  if (range[0] > range[1]) range = {0, 0};
+  return range;
+}
+
+template <typename T>
+void take_values(vtkImageData* image, double slope, double intercept, bool is_float,
+                 volume::Volume& volume) {
+  const auto* from = static_cast<const T*>(image->GetScalarPointer());
+  const std::size_t count = volume.header.voxel_count();
+  auto [low, high] = range_of(from, count);
+  low = slope * low + intercept;
+  high = slope * high + intercept;
+  const Scaling scaling = scaling_for(std::min(low, high), std::max(low, high), is_float);
+  if (!scaling.repair.empty()) volume.header.repairs.push_back(scaling.repair);
+  volume.voxels.resize(count);
+  convert(from, count, slope * scaling.slope, intercept * scaling.slope, volume.voxels.data());
+}
+
+}  // namespace
+
+vtkSmartPointer<vtkImageData> borrow(volume::Volume& volume) {
+  const volume::Header& h = volume.header;
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->SetDimensions(static_cast<int>(h.size[0]), static_cast<int>(h.size[1]),
+                       static_cast<int>(h.size[2]));
+  image->SetSpacing(h.spacing.data());
+  image->SetDirectionMatrix(h.direction.data());
+  vtkNew<vtkShortArray> scalars;
+  constexpr int kDoNotFree = 1;
+  scalars->SetArray(volume.voxels.data(), static_cast<vtkIdType>(volume.voxels.size()), kDoNotFree);
+  image->GetPointData()->SetScalars(scalars);
+  return image;
+}
+
+Result<volume::Volume> to_volume(vtkImageData* image, const std::array<double, 9>& axes,
+                                 double slope, double intercept, std::vector<std::string> repairs) {
+  if (image->GetNumberOfScalarComponents() != 1) {
+    return fail(ErrorCode::kUnsupported,
+                "this file holds several values a voxel (colours, vectors or times)");
+  }
+  volume::Volume volume;
+  volume::Header& h = volume.header;
+  h.repairs = std::move(repairs);
+  const int* size = image->GetDimensions();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (size[axis] < 1) return fail(ErrorCode::kInvalid, "the image is empty");
+    h.size[axis] = static_cast<std::uint32_t>(size[axis]);
+    const double step = std::hypot(axes[axis], axes[3 + axis], axes[6 + axis]);
+    h.spacing[axis] = step;
+    for (std::size_t row = 0; row < 3; ++row)
+      h.direction[3 * row + axis] = axes[3 * row + axis] / step;
+  }
+  vtkSmartPointer<vtkImageData> upright = image;
+  if (vtkMatrix3x3::Determinant(h.direction.data()) < 0) {
+    // Left-handed: the slices in reverse order, with their axis turned, are the same picture
+    // unmirrored.
+    vtkNew<vtkImageFlip> flip;
+    flip->SetInputData(image);
+    flip->SetFilteredAxis(2);
+    flip->Update();
+    upright = flip->GetOutput();
+    for (std::size_t row = 0; row < 3; ++row) h.direction[3 * row + 2] *= -1;
+  }
+  if (auto ok = volume::check(h); !ok) {
+    return fail(ErrorCode::kUnsupported, "the image cannot be shown: " + ok.error().message);
+  }
+  switch (image->GetScalarType()) {
+    case VTK_UNSIGNED_CHAR:
+      take_values<unsigned char>(upright, slope, intercept, false, volume);
+      break;
+    case VTK_CHAR:
+    case VTK_SIGNED_CHAR:
+      take_values<signed char>(upright, slope, intercept, false, volume);
+      break;
+    case VTK_SHORT:
+      take_values<short>(upright, slope, intercept, slope != 1, volume);
+      break;
+    case VTK_UNSIGNED_SHORT:
+      take_values<unsigned short>(upright, slope, intercept, slope != 1, volume);
+      break;
+    case VTK_FLOAT:
+      take_values<float>(upright, slope, intercept, true, volume);
+      break;
+    case VTK_DOUBLE:
+      take_values<double>(upright, slope, intercept, true, volume);
+      break;
+    default:
+      return fail(ErrorCode::kUnsupported,
+                  "voxels of this type are not read; 8 and 16 bits and floating point are");
+  }
+  volume::measure(volume);
+  return volume;
+}
+
+}  // namespace diaphane::ingest

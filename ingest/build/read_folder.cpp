@@ -1,0 +1,18 @@
+#include "ingest/build/read_folder.h"
+
+#include "ingest/build/build_volume.h"
+
+namespace diaphane::ingest {
+
+Result<volume::Volume> read_folder(const std::string& path) {
+  const dicom::ScanLimits limits;
+  auto source = dicom::FolderSource::open(path, limits.file.file_bytes);
+  if (!source) return tl::unexpected(source.error());
+  auto scan = dicom::scan(*source, limits);
+  if (!scan) return tl::unexpected(scan.error());
+  const dicom::Choice choice = dicom::choose_largest(*scan);
+  if (!choice.suitable) return fail(ErrorCode::kInvalid, choice.text);
+  return build_volume(*source, *scan, choice, limits.file);
+}
+
+}  // namespace diaphane::ingest

@@ -1,0 +1,125 @@
+#include "ingest/cli/scan/report.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace diaphane::scan {
+namespace {
+
+using nlohmann::ordered_json;
+
+const char* modality_name(volume::Modality modality) {
+  switch (modality) {
+    case volume::Modality::kCt:
+      return "CT";
+    case volume::Modality::kMr:
+      return "MR";
+    case volume::Modality::kPt:
+      return "PT";
+    case volume::Modality::kOther:
+      break;
+  }
+  return "OTHER";
+}
+
+std::string counted(std::size_t n, const char* one, const char* many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+std::string suitable_line(const dicom::Series& series) {
+  const dicom::Assessment& a = series.assessment;
+  char text[200];
+  std::snprintf(text, sizeof text, "%-4s %-9s %5zu slices   %u x %u x %u   %.3f x %.3f x %.3f mm\n",
+                modality_name(a.modality), dicom::plane_name(a.direction).c_str(), a.order.size(),
+                a.size[0], a.size[1], a.size[2], a.spacing[0], a.spacing[1], a.spacing[2]);
+  return text;
+}
+
+std::string directions_line(const dicom::Assessment& a) {
+  const auto& d = a.direction;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "     x (%+.3f %+.3f %+.3f)   y (%+.3f %+.3f %+.3f)   z (%+.3f %+.3f %+.3f)\n",
+                d[0], d[3], d[6], d[1], d[4], d[7], d[2], d[5], d[8]);
+  return text;
+}
+
+std::string paragraph(std::size_t number, const dicom::Series& series) {
+  const dicom::Assessment& a = series.assessment;
+  char head[16];
+  std::snprintf(head, sizeof head, "%3zu. ", number);
+  if (!a.suitable) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%-4s not suitable, %s: ", modality_name(a.modality),
+                  counted(series.slices.size(), "file", "files").c_str());
+    return head + std::string(text) + a.text + "\n";
+  }
+  std::string text = head + suitable_line(series) + directions_line(a);
+  for (const std::string& repair : a.repairs) text += "     " + repair + "\n";
+  return text;
+}
+
+std::string left_out_lines(const dicom::LeftOut& out) {
+  std::string text;
+  const auto add = [&](std::size_t n, const char* one, const char* many) {
+    if (n > 0) text += "     " + counted(n, one, many) + "\n";
+  };
+  add(out.not_slices, "file is no slice of a CT, MR or PET scan (report, screenshot, plan, dose)",
+      "files are no slices of a CT, MR or PET scan (reports, screenshots, plans, dose)");
+  add(out.damaged, "file is damaged", "files are damaged");
+  add(out.unsupported, "file is compressed in a way that is not supported",
+      "files are compressed in a way that is not supported");
+  add(out.too_large, "file asks for more than is allowed", "files ask for more than is allowed");
+  add(out.not_dicom, "file is not DICOM", "files are not DICOM");
+  return text.empty() ? text : "Left out:\n" + text;
+}
+
+ordered_json series_json(const dicom::Series& series) {
+  const dicom::Assessment& a = series.assessment;
+  ordered_json json;
+  json["suitable"] = a.suitable;
+  json["modality"] = modality_name(a.modality);
+  json["files"] = series.slices.size();
+  json["slices"] = a.order.size();
+  json["size"] = a.suitable ? ordered_json(a.size) : ordered_json();
+  json["spacing_mm"] = a.suitable ? ordered_json(a.spacing) : ordered_json();
+  json["direction"] = a.suitable ? ordered_json(a.direction) : ordered_json();
+  json["plane"] = a.suitable ? ordered_json(dicom::plane_name(a.direction)) : ordered_json();
+  json["repairs"] = a.repairs;
+  json["reason"] = a.suitable ? ordered_json() : ordered_json{{"code", a.code}, {"text", a.text}};
+  return json;
+}
+
+}  // namespace
+
+std::string as_text(const dicom::Scan& scan) {
+  const auto suitable = std::count_if(scan.series.begin(), scan.series.end(),
+                                      [](const dicom::Series& s) { return s.assessment.suitable; });
+  std::string text = counted(scan.files, "file", "files") + ", " +
+                     counted(scan.series.size(), "series", "series") + ", " +
+                     std::to_string(suitable) + " suitable\n";
+  std::size_t number = 0;
+  for (const bool wanted : {true, false}) {
+    for (const dicom::Series& series : scan.series) {
+      if (series.assessment.suitable == wanted) text += paragraph(++number, series);
+    }
+  }
+  return text + left_out_lines(scan.left_out);
+}
+
+std::string as_json(const dicom::Scan& scan) {
+  ordered_json json;
+  json["files"] = scan.files;
+  json["series"] = ordered_json::array();
+  for (const dicom::Series& series : scan.series) json["series"].push_back(series_json(series));
+  const dicom::LeftOut& out = scan.left_out;
+  json["left_out"] = {{"not_dicom", out.not_dicom},
+                      {"damaged", out.damaged},
+                      {"too_large", out.too_large},
+                      {"unsupported", out.unsupported},
+                      {"not_slices", out.not_slices}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace diaphane::scan

@@ -1,0 +1,256 @@
+#include "ingest/dicom/read_slice.h"
+
+#include <gdcmImageReader.h>
+#include <gdcmReader.h>
+#include <gdcmTrace.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <istream>
+#include <streambuf>
+
+#include "ingest/dicom/values.h"
+
+namespace diaphane::dicom {
+namespace {
+
+/// A stream over bytes that stay where they are.
+class ByteBuffer final : public std::streambuf {
+ public:
+  explicit ByteBuffer(std::span<const std::byte> data) {
+    char* begin = const_cast<char*>(reinterpret_cast<const char*>(data.data()));
+    setg(begin, begin, begin + data.size());
+  }
+
+ protected:
+  pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
+    const off_type base = from == std::ios_base::beg   ? 0
+                          : from == std::ios_base::cur ? gptr() - eback()
+                                                       : egptr() - eback();
+    const off_type to = base + offset;
+    if (to < 0 || to > egptr() - eback()) return pos_type(off_type(-1));
+    setg(eback(), eback() + to, egptr());
+    return to;
+  }
+  pos_type seekpos(pos_type to, std::ios_base::openmode which) override {
+    return seekoff(off_type(to), std::ios_base::beg, which);
+  }
+};
+
+void silence_gdcm() {
+  // Its warnings quote the files.
+  static const bool done = [] {
+    gdcm::Trace::DebugOff();
+    gdcm::Trace::WarningOff();
+    gdcm::Trace::ErrorOff();
+    return true;
+  }();
+  static_cast<void>(done);
+}
+
+std::span<const std::byte> readable(std::span<const std::byte> file, const Precheck& checked) {
+  return checked.plain.empty() ? file : std::span<const std::byte>(checked.plain);
+}
+
+class Elements {
+ public:
+  explicit Elements(const gdcm::DataSet& set) : set_(set) {}
+
+  bool has(std::uint16_t group, std::uint16_t element) const {
+    return set_.FindDataElement(gdcm::Tag(group, element));
+  }
+
+  std::string text(std::uint16_t group, std::uint16_t element) const {
+    const gdcm::ByteValue* value = bytes(group, element);
+    if (value == nullptr || value->GetPointer() == nullptr) return {};
+    return trimmed(std::string(value->GetPointer(), value->GetLength()));
+  }
+
+  std::vector<std::string> texts(std::uint16_t group, std::uint16_t element) const {
+    std::vector<std::string> parts;
+    const std::string all = text(group, element);
+    for (std::size_t from = 0; !all.empty() && from <= all.size();) {
+      const std::size_t to = std::min(all.find('\\', from), all.size());
+      parts.push_back(trimmed(all.substr(from, to - from)));
+      from = to + 1;
+    }
+    return parts;
+  }
+
+  /// Exactly N decimal strings, or nothing.
+  template <std::size_t N>
+  std::optional<std::array<double, N>> numbers(std::uint16_t group, std::uint16_t element) const {
+    const std::vector<std::string> parts = texts(group, element);
+    if (parts.size() != N) return std::nullopt;
+    std::array<double, N> values{};
+    for (std::size_t i = 0; i < N; ++i) {
+      const auto value = number(parts[i]);
+      if (!value) return std::nullopt;
+      values[i] = *value;
+    }
+    return values;
+  }
+
+  /// The first of one or more decimal strings.
+  std::optional<double> first(std::uint16_t group, std::uint16_t element) const {
+    const std::vector<std::string> parts = texts(group, element);
+    return parts.empty() ? std::nullopt : number(parts.front());
+  }
+
+  /// A 16-bit number; GDCM has turned its bytes to this machine's order.
+  std::optional<std::uint16_t> us(std::uint16_t group, std::uint16_t element) const {
+    const gdcm::ByteValue* value = bytes(group, element);
+    if (value == nullptr || value->GetLength() != 2) return std::nullopt;
+    std::uint16_t number = 0;
+    std::copy_n(value->GetPointer(), 2, reinterpret_cast<char*>(&number));
+    return number;
+  }
+
+ private:
+  const gdcm::ByteValue* bytes(std::uint16_t group, std::uint16_t element) const {
+    const gdcm::Tag tag(group, element);
+    return set_.FindDataElement(tag) ? set_.GetDataElement(tag).GetByteValue() : nullptr;
+  }
+
+  static std::string trimmed(std::string text) {
+    const auto blank = [](char c) { return c == ' ' || c == '\0'; };
+    while (!text.empty() && blank(text.back())) text.pop_back();
+    const auto begin = std::find_if_not(text.begin(), text.end(), blank);
+    return {begin, text.end()};
+  }
+
+  static std::optional<double> number(std::string_view text) {
+    if (text.starts_with('+')) text.remove_prefix(1);
+    double value = 0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) {
+      return std::nullopt;
+    }
+    return value;
+  }
+
+  const gdcm::DataSet& set_;
+};
+
+Kind kind_of(const std::string& sop_class, volume::Modality& modality) {
+  const std::string root = "1.2.840.10008.5.1.4.1.1.";
+  if (!sop_class.starts_with(root)) return Kind::kOther;
+  const std::string leaf = sop_class.substr(root.size());
+  using volume::Modality;
+  modality = leaf == "2" || leaf.starts_with("2.")   ? Modality::kCt
+             : leaf == "4" || leaf.starts_with("4.") ? Modality::kMr
+             : leaf == "128" || leaf == "130"        ? Modality::kPt
+             : leaf == "128.1"                       ? Modality::kPt
+                                                     : Modality::kOther;
+  if (leaf == "2" || leaf == "4" || leaf == "128") return Kind::kImage;
+  const bool enhanced = leaf == "2.1" || leaf == "2.2" || leaf == "4.1" || leaf == "4.4" ||
+                        leaf == "130" || leaf == "128.1";
+  return enhanced ? Kind::kMultiFrame : Kind::kOther;
+}
+
+std::optional<std::array<double, 2>> padding_of(const Elements& in, bool is_signed) {
+  const auto as_value = [&](std::uint16_t bits) {
+    return is_signed ? static_cast<double>(static_cast<std::int16_t>(bits))
+                     : static_cast<double>(bits);
+  };
+  const auto value = in.us(0x0028, 0x0120);
+  if (!value) return std::nullopt;
+  const double from = as_value(*value);
+  const double to = as_value(in.us(0x0028, 0x0121).value_or(*value));
+  return std::array{std::min(from, to), std::max(from, to)};
+}
+
+Slice slice_of(const Elements& in) {
+  Slice slice;
+  slice.kind = kind_of(in.text(0x0008, 0x0016), slice.modality);
+  slice.patient = in.text(0x0010, 0x0020) + '\n' + in.text(0x0010, 0x0010);
+  slice.series_uid = in.text(0x0020, 0x000E);
+  slice.sop_uid = in.text(0x0008, 0x0018);
+  slice.image_type = in.texts(0x0008, 0x0008);
+  slice.rows = in.us(0x0028, 0x0010).value_or(0);
+  slice.columns = in.us(0x0028, 0x0011).value_or(0);
+  slice.samples = in.us(0x0028, 0x0002).value_or(1);
+  slice.frames = static_cast<std::uint64_t>(std::max(in.first(0x0028, 0x0008).value_or(1), 0.0));
+  slice.photometric = in.text(0x0028, 0x0004);
+  slice.layout.bits_allocated = in.us(0x0028, 0x0100).value_or(0);
+  slice.layout.bits_stored = in.us(0x0028, 0x0101).value_or(slice.layout.bits_allocated);
+  slice.layout.high_bit =
+      in.us(0x0028, 0x0102).value_or(static_cast<std::uint16_t>(slice.layout.bits_stored - 1));
+  slice.layout.is_signed = in.us(0x0028, 0x0103).value_or(0) == 1;
+  const auto slope = in.first(0x0028, 0x1053);
+  const auto intercept = in.first(0x0028, 0x1052);
+  slice.rescale = {slope.value_or(1), intercept.value_or(0), slope && intercept};
+  slice.has_lookup_table = in.has(0x0028, 0x3000);
+  slice.padding = padding_of(in, slice.layout.is_signed);
+  slice.position = in.numbers<3>(0x0020, 0x0032);
+  slice.orientation = in.numbers<6>(0x0020, 0x0037);
+  slice.pixel_spacing = in.numbers<2>(0x0028, 0x0030);
+  slice.window_center = in.first(0x0028, 0x1050).value_or(0);
+  slice.window_width = std::max(in.first(0x0028, 0x1051).value_or(0), 0.0);
+  return slice;
+}
+
+}  // namespace
+
+bool Slice::is_scout() const {
+  return std::find(image_type.begin(), image_type.end(), "LOCALIZER") != image_type.end();
+}
+
+Result<Slice> read_slice(std::span<const std::byte> file, const Precheck& checked) {
+  silence_gdcm();
+  ByteBuffer buffer(readable(file, checked));
+  std::istream stream(&buffer);
+  gdcm::Reader reader;
+  reader.SetStream(stream);
+  try {
+    if (!reader.ReadUpToTag(gdcm::Tag(0x7FE0, 0x0010), {})) {
+      return fail(ErrorCode::kInvalid, "a file is damaged");
+    }
+  } catch (const std::exception&) {  // gdcm::ParseException and what the standard library throws
+    return fail(ErrorCode::kInvalid, "a file is damaged");
+  }
+  Slice slice = slice_of(Elements(reader.GetFile().GetDataSet()));
+  if (slice.rows != checked.rows || slice.columns != checked.columns ||
+      slice.frames != checked.frames) {
+    return fail(ErrorCode::kInvalid, "a file can be understood in two ways");
+  }
+  slice.has_pixels = checked.has_pixels;
+  return slice;
+}
+
+Result<std::vector<std::int32_t>> read_values(std::span<const std::byte> file,
+                                              const Precheck& checked, const Slice& slice) {
+  silence_gdcm();
+  ByteBuffer buffer(readable(file, checked));
+  std::istream stream(&buffer);
+  gdcm::ImageReader reader;
+  reader.SetStream(stream);
+  try {
+    if (!reader.Read()) return fail(ErrorCode::kInvalid, "the pixels of a slice cannot be read");
+    const gdcm::Image& image = reader.GetImage();
+    const gdcm::PixelFormat& format = image.GetPixelFormat();
+    // What the decoder made of it counts: a compressed picture may hold fewer bits than the header
+    // says.
+    const PixelLayout layout{format.GetBitsAllocated(), format.GetBitsStored(), format.GetHighBit(),
+                             format.GetPixelRepresentation() == 1};
+    const std::uint64_t bytes =
+        std::uint64_t{slice.rows} * slice.columns * (layout.bits_allocated / 8u);
+    if (image.GetDimension(0) != slice.columns || image.GetDimension(1) != slice.rows ||
+        format.GetSamplesPerPixel() != 1 || !is_readable(layout) ||
+        image.GetBufferLength() != bytes) {
+      return fail(ErrorCode::kInvalid, "the pixels of a slice do not fit its header");
+    }
+    std::vector<std::byte> raw(bytes);
+    if (!image.GetBuffer(reinterpret_cast<char*>(raw.data()))) {
+      return fail(ErrorCode::kInvalid, "the pixels of a slice cannot be decoded");
+    }
+    return to_values(raw, layout, slice);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kOutOfMemory, "a slice needs more memory than is allowed");
+  } catch (const std::exception&) {
+    return fail(ErrorCode::kInvalid, "the pixels of a slice cannot be decoded");
+  }
+}
+
+}  // namespace diaphane::dicom
