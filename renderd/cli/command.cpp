@@ -37,7 +37,8 @@ Result<std::string> read_text(const std::string& path) {
 Result<diaphane::v1::Scene> scene_of(const Options& options, const volume::Header& header) {
   if (!options.preset.empty()) {
     auto preset = preset_for(header, options.preset);
-    if (!preset) return tl::make_unexpected(preset.error());
+    // Wrong words are no missing file.
+    if (!preset) return fail(ErrorCode::kInvalid, preset.error().message, "--preset");
     return preset->scene();
   }
   auto text = read_text(options.scene_file);
@@ -45,19 +46,19 @@ Result<diaphane::v1::Scene> scene_of(const Options& options, const volume::Heade
   return scene_from_json(*text);
 }
 
-/// Shows progress where a person looks on; batches grow so that it costs nothing.
+/// In pieces of a size that depends on nothing measured, since it can decide how sums are rounded.
+constexpr std::uint32_t kPiece = 32;
+
+/// Shows progress where a person looks on.
 Result<std::uint64_t> render_all(FrameRenderer& renderer, const Options& options) {
   const bool show = !options.quiet && ::isatty(STDERR_FILENO) == 1;
   std::uint64_t dropped = 0;
   std::uint32_t done = 0;
-  std::uint32_t batch = 1;
   while (done < options.samples) {
-    const std::uint32_t count = std::min(batch, options.samples - done);
-    auto result = renderer.render(count, [] { return false; });
-    if (!result) return tl::make_unexpected(result.error());
-    dropped += result->dropped_samples;
-    done += result->samples;
-    if (result->seconds < 0.5) batch = std::min<std::uint32_t>(2 * batch, 1024);
+    auto batch = renderer.render(std::min(kPiece, options.samples - done), [] { return false; });
+    if (!batch) return tl::make_unexpected(batch.error());
+    dropped += batch->dropped_samples;
+    done += batch->samples;
     if (show) {
       const Progress progress = renderer.progress();
       std::fprintf(stderr, "\r%u of %u samples, %.1f s, error %.4f ", done, options.samples,
