@@ -10,6 +10,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "api/service/password.h"
 #include "common/ids.h"
 
 namespace diaphane::api {
@@ -28,6 +29,13 @@ std::string rfc5322_now() {
   char text[64];
   const std::size_t size = std::strftime(text, sizeof text, "%a, %d %b %Y %H:%M:%S +0000", &utc);
   return std::string(text, size);
+}
+
+/// "Name <address>" or "address": the address.
+std::string address_in(const std::string& mailbox) {
+  const std::size_t open = mailbox.rfind('<');
+  if (open == std::string::npos) return mailbox;
+  return mailbox.substr(open + 1, mailbox.find('>', open) - open - 1);
 }
 
 std::string crlf_lines(std::string_view text) {
@@ -114,7 +122,7 @@ class SmtpTransport final : public MailTransport {
     // A password never goes over an open line.
     curl_easy_setopt(c, CURLOPT_USE_SSL,
                      static_cast<long>(user_.empty() ? CURLUSESSL_TRY : CURLUSESSL_ALL));
-    curl_easy_setopt(c, CURLOPT_MAIL_FROM, ("<" + from_ + ">").c_str());
+    curl_easy_setopt(c, CURLOPT_MAIL_FROM, ("<" + address_in(from_) + ">").c_str());
     curl_easy_setopt(c, CURLOPT_MAIL_RCPT, recipients.get());
     curl_easy_setopt(c, CURLOPT_READFUNCTION, read_some);
     curl_easy_setopt(c, CURLOPT_READDATA, &reading);
@@ -149,11 +157,12 @@ std::string percent_decoded(const std::string& text) {
 
 std::string message_of(const Mail& mail, const std::string& from, const std::string& date,
                        const std::string& message_id) {
-  const std::size_t at = from.find('@');
-  const std::string domain = at == std::string::npos ? "localhost" : from.substr(at + 1);
-  return "Date: " + date + "\r\nFrom: Diaphane <" + one_line(from) + ">\r\nTo: <" +
-         one_line(mail.recipient) + ">\r\nSubject: " + one_line(mail.subject) +
-         "\r\nMessage-ID: <" + message_id + "@" + domain +
+  const std::string sender = address_in(from);
+  const std::size_t at = sender.find('@');
+  const std::string domain = at == std::string::npos ? "localhost" : sender.substr(at + 1);
+  return "Date: " + date + "\r\nFrom: " + one_line(from) + "\r\nTo: <" + one_line(mail.recipient) +
+         ">\r\nSubject: " + one_line(mail.subject) + "\r\nMessage-ID: <" + message_id + "@" +
+         domain +
          ">\r\nAuto-Submitted: auto-generated\r\nMIME-Version: 1.0\r\n"
          "Content-Type: text/plain; charset=utf-8\r\nContent-Transfer-Encoding: 8bit\r\n\r\n" +
          crlf_lines(mail.body);
@@ -161,6 +170,7 @@ std::string message_of(const Mail& mail, const std::string& from, const std::str
 
 Result<std::unique_ptr<MailTransport>> open_mail_transport(const std::string& setting,
                                                            const std::string& from) {
+  if (!is_email(address_in(from))) return fail(ErrorCode::kInvalid, "--mail-from holds no address");
   if (setting.starts_with("file:")) {
     const std::string directory = setting.substr(5);
     std::error_code ignored;

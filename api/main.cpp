@@ -1,0 +1,208 @@
+// diaphane-api: REST and the stream gateway. Wiring only.
+#include <sodium.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "api/handlers/routes.h"
+#include "api/http/executor.h"
+#include "api/http/listener.h"
+#include "api/http/request_metrics.h"
+#include "api/mail/transport.h"
+#include "api/postgres/account_repository.h"
+#include "api/postgres/data_set_repository.h"
+#include "api/postgres/migrate.h"
+#include "api/redis/client.h"
+#include "api/redis/sessions.h"
+#include "api/service/housekeeping.h"
+#include "api/stream/gateway.h"
+#include "api/stream/worker_stills.h"
+#include "common/clock.h"
+#include "common/config.h"
+#include "common/log.h"
+#include "common/service/admin_server.h"
+#include "common/service/signals.h"
+
+namespace diaphane::api {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kExitUnavailable = 69;  ///< sysexits.h: a part that is needed at the start is away
+constexpr int kWorkers = 16;
+constexpr std::size_t kWaiting = 256;
+constexpr int kConnections = 12;
+constexpr int kHashingSlots = 2;
+
+int run_migrate(ConfigReader& in) {
+  const std::string url = in.text("postgres", "libpq URL");
+  const std::string directory =
+      in.directory("migrations", "directory of NNNN_name.up.sql and .down.sql");
+  const auto steps =
+      static_cast<int>(in.integer("steps", "how many; 0: all (up), one (down)", 0, 1000, 0));
+  const auto& words = in.words();
+  if (words.size() != 2 || (words[1] != "up" && words[1] != "down"))
+    in.mistake("migrate up | down");
+  if (auto done = in.finish("diaphane-api migrate up|down: brings the database to a schema"))
+    return *done;
+  const auto applied =
+      migrate(url, directory, words[1] == "up" ? Direction::kUp : Direction::kDown, steps);
+  if (!applied) {
+    std::fprintf(stderr, "%s\n", applied.error().message.c_str());
+    return applied.error().code == ErrorCode::kUnavailable ? kExitUnavailable : 1;
+  }
+  for (const std::string& name : *applied) std::printf("%s %s\n", words[1].c_str(), name.c_str());
+  if (applied->empty()) std::printf("nothing to do\n");
+  return 0;
+}
+
+struct Settings {
+  std::string postgres, redis, public_url, upload_dir, volume_dir, cache_dir, mail, mail_from;
+  std::string sample_token;
+  std::uint16_t api_port = 0, stream_port = 0, admin_port = 0;
+  DataSets::Options data_sets;
+};
+
+Settings read_settings(ConfigReader& in) {
+  Settings s;
+  s.postgres = in.text("postgres", "libpq URL");
+  s.redis = in.text("redis", "host:port");
+  s.api_port = in.port("api-port", "REST, 127.0.0.1 only: the edge stands before it");
+  s.stream_port = in.port("stream-port", "WebSocket gateway");
+  s.admin_port = in.port("admin-port", "/metrics, /healthz, /readyz on 127.0.0.1");
+  s.public_url = in.text("public-url", "origin as the browser sees it, https://host[:port]");
+  s.upload_dir = in.directory("upload-dir", "where uploads arrive");
+  s.volume_dir = in.directory("volume-dir", "the volume store");
+  s.cache_dir = in.directory("cache-dir", "pictures that the edge sends");
+  s.mail = in.text("mail", "file:DIRECTORY or smtp://[user:password@]host:port");
+  s.mail_from = in.text("mail-from", "sender: address or Name <address>");
+  s.data_sets.max_upload_bytes =
+      in.integer("max-upload-mb", "largest upload, in MiB", 1, 1'000'000, 8192) << 20;
+  s.data_sets.upload_life = std::chrono::seconds(
+      in.integer("upload-expiry-s", "an upload left for this long expires", 1, 30 * 86400, 86400));
+  const std::string token_file =
+      in.text("sample-token", "file with the token that uploads the public sample", "");
+  if (!token_file.empty()) {
+    std::ifstream file(token_file);
+    if (!(file >> s.sample_token) || s.sample_token.size() < 32) {
+      in.mistake("--sample-token: no such file, or less than 32 characters in it");
+    }
+  }
+  const bool origin = s.public_url.starts_with("http://") || s.public_url.starts_with("https://");
+  if (!s.public_url.empty() && (!origin || s.public_url.ends_with('/'))) {
+    in.mistake("--public-url is an origin: http(s)://host[:port], without a path");
+  }
+  return s;
+}
+
+int serve(const Settings& settings, service::StopSignal& stop) {
+  const SystemClock clock;
+  auto transport = open_mail_transport(settings.mail, settings.mail_from);
+  if (!transport) {
+    std::fprintf(stderr, "%s\n", transport.error().message.c_str());
+    return kExitConfig;
+  }
+  auto redis_client = redis::Client::create({.address = settings.redis});
+  if (!redis_client) {
+    std::fprintf(stderr, "--redis: %s\n", redis_client.error().message.c_str());
+    return kExitConfig;
+  }
+  redis::Sessions placed(**redis_client);
+  Database database(settings.postgres, kConnections);
+  AccountRepository account_store(database);
+  DataSetRepository data_set_store(database);
+  MailRepository mail_store(database);
+
+  auto admin =
+      service::AdminServer::start({.port = settings.admin_port,
+                                   .program = "api",
+                                   .checks = {{"postgres", [&] { return database.reachable(); }},
+                                              {"redis", [&] { return placed.reachable(); }}},
+                                   .details = {}});
+  if (!admin) {
+    std::fprintf(stderr, "%s\n", admin.error().message.c_str());
+    return kExitUnavailable;
+  }
+  RequestMetrics metrics((*admin)->registry());
+
+  PasswordHasher hasher(kHashingSlots);
+  Accounts accounts(account_store, hasher, clock, {.public_url = settings.public_url});
+  UploadFiles files(settings.upload_dir);
+  DataSets data_sets(data_set_store, placed, clock, settings.data_sets,
+                     [&] { return files.free_bytes(); });
+  Uploads uploads(data_set_store, files, clock, settings.data_sets.upload_life);
+  Sessions sessions(data_sets, placed);
+  stream::WorkerStills stills(placed);
+  Thumbnails thumbnails(data_sets, stills, settings.cache_dir);
+
+  Mailer mailer(mail_store, **transport, clock);
+  Disposer disposer(data_set_store, files, thumbnails, settings.volume_dir);
+  Periodic send_mails("mail", 2s, [&] {
+    const auto [sent, failed] = mailer.send_due();
+    metrics.mails(sent, failed);
+  });
+  Periodic dispose("disposal", 5s, [&] {
+    (void)data_set_store.expire_uploads(clock.wall());
+    metrics.disposed(disposer.dispose());
+  });
+  Periodic tidy("tidying", 10min, [&] { (void)account_store.tidy(clock.wall()); });
+  accounts.on_mail([&] { send_mails.wake(); });
+  data_sets.on_disposal([&] { dispose.wake(); });
+  uploads.on_disposal([&] { dispose.wake(); });
+
+  Executor executor(kWorkers, kWaiting);
+  Front front(accounts, {.public_url = settings.public_url,
+                         .sample_token = settings.sample_token,
+                         .measure = [&](const Measured& request) {
+                           metrics.measured(request);
+                           metrics.set_waiting(static_cast<double>(executor.waiting()));
+                         }});
+  front.add(account_routes(accounts, front));
+  front.add(data_set_routes(data_sets, thumbnails));
+  front.add(upload_routes(uploads, settings.data_sets.max_upload_bytes));
+  front.add(session_routes(sessions));
+
+  auto listener = Listener::open(front, executor, {.port = settings.api_port});
+  if (!listener) {
+    std::fprintf(stderr, "%s\n", listener.error().message.c_str());
+    return kExitUnavailable;
+  }
+  auto gateway =
+      stream::Gateway::start({.port = settings.stream_port, .public_url = settings.public_url},
+                             placed, placed, placed, (*admin)->registry());
+  if (!gateway) {
+    std::fprintf(stderr, "%s\n", gateway.error().message.c_str());
+    return gateway.error().code == ErrorCode::kInvalid ? kExitConfig : kExitUnavailable;
+  }
+  log::info("serving", {{"api_port", settings.api_port}, {"stream_port", settings.stream_port}});
+
+  stop.wait();
+  log::info("draining");
+  (*admin)->set_draining();
+  (*gateway)->stop(1s);
+  (*listener)->drain(2s);
+  log::info("stopped");
+  return 0;
+}
+
+}  // namespace
+}  // namespace diaphane::api
+
+int main(int argc, char** argv) {
+  using namespace diaphane;
+  if (sodium_init() < 0) return 70;
+  ConfigReader in(argc, argv);
+  if (!in.words().empty() && in.words().front() == "migrate") return api::run_migrate(in);
+  const api::Settings settings = api::read_settings(in);
+  if (!in.words().empty()) in.mistake("unknown word " + in.words().front() + " (try --help)");
+  if (auto done =
+          in.finish("diaphane-api: REST and the stream gateway (migrate up|down: the schema)")) {
+    return *done;
+  }
+  log::start("api");
+  service::StopSignal stop;
+  return api::serve(settings, stop);
+}
