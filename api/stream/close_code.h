@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+
+namespace diaphane::api::stream {
+
+/// Why a stream was closed (docs/contracts.md, "Stream"). A page comes back by itself with a new
+/// ticket after every code but kDone, kMalformed, kSessionGone and kTakenOver.
+enum class CloseCode : std::uint16_t {
+  kDone = 1000,
+  kGoingAway = 1001,    ///< the gateway stops
+  kInternal = 1011,     ///< a defect of ours
+  kBusy = 1013,         ///< the gateway or Redis cannot take it now
+  kMalformed = 4400,    ///< the client sent what is no message
+  kTicket = 4401,       ///< unknown, used or too old
+  kSessionGone = 4404,  ///< it was ended, or never was
+  kTakenOver = 4409,    ///< opened in another window
+  kTooMany = 4429,      ///< too many connections, or too many messages
+  kWorkerLost = 4503,
+};
+
+}  // namespace diaphane::api::stream

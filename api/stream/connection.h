@@ -1,0 +1,115 @@
+#pragma once
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "api/service/placement.h"
+#include "api/stream/close_code.h"
+#include "api/stream/hub.h"
+#include "api/stream/worker_link.h"
+
+namespace diaphane::api::stream {
+
+/// One viewer: handshake, ticket, then messages both ways until one side ends it. Everything
+/// happens on the strand of its socket; what comes from gRPC's threads and from Redis is posted
+/// there.
+class Connection final : public LinkEvents, public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(std::shared_ptr<Hub> hub, boost::asio::ip::tcp::socket socket);
+
+  void start();
+  /// One of too many: answered and closed.
+  void refuse_busy();
+  /// Closes with a code the viewer understands, after what is queued; then without one.
+  void close(CloseCode code, std::string_view reason);
+  /// Closes the socket and ends the call, now.
+  void abort();
+  /// Whether the worker of this stream is among those that live; two misses in a row end it.
+  void worker_seen(bool alive);
+  /// Worker id and incarnation, "|" between; empty before it is attached. For any thread.
+  std::string worker_key() const;
+
+  void on_link_open() override;
+  void on_link_message(std::string message) override;
+  void on_link_writable() override;
+  void on_link_ended(const grpc::Status& status) override;
+
+ private:
+  using Request = boost::beast::http::request<boost::beast::http::empty_body>;
+  using ErrorCodeOf = boost::beast::error_code;
+
+  // Destroyed after the socket: only then is this connection gone for the gateway.
+  struct Presence {
+    std::shared_ptr<Hub> hub;
+    Connection* connection;
+    ~Presence() { hub->leave(connection); }
+  };
+
+  template <typename Work>
+  void on_strand(Work work);
+
+  void read_handshake();
+  void on_handshake(ErrorCodeOf error);
+  void answer_plainly(boost::beast::http::status status, std::string_view sentence,
+                      const std::string& reason);
+  void accept(const Request& request);
+  void redeem_ticket();
+  void on_ticket(Result<Attachment> redeemed);
+  void attach(Attachment attachment);
+
+  void read_next();
+  void on_read(ErrorCodeOf error);
+  bool too_fast();
+  void write_next();
+  void on_write(ErrorCodeOf error);
+
+  void link_ended(const grpc::Status& status);
+  void session_was_taken();
+  void worker_broke_off();
+  void begin_close();
+  void ended();
+
+  Presence presence_;
+  Hub& hub_;
+  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  boost::asio::steady_timer write_timer_;
+  boost::asio::steady_timer link_timer_;
+  boost::beast::flat_buffer buffer_;
+  std::optional<boost::beast::http::request_parser<boost::beast::http::empty_body>> parser_;
+
+  std::string request_id_;
+  std::string ticket_;
+  std::optional<Attachment> attachment_;
+  std::shared_ptr<WorkerLink> link_;
+  mutable std::mutex key_mutex_;
+  std::string worker_key_;
+
+  std::deque<std::string> outgoing_;
+  bool accepted_ = false;
+  bool counted_for_user_ = false;
+  bool reading_ = false;
+  bool writing_ = false;
+  bool link_open_ = false;
+  bool attach_timed_out_ = false;
+  bool link_over_ = false;
+  int misses_ = 0;
+  std::optional<CloseCode> closing_;
+  std::string close_reason_;
+  bool close_begun_ = false;
+  bool ended_ = false;
+
+  std::chrono::steady_clock::time_point began_, second_began_;
+  unsigned messages_this_second_ = 0;
+  std::size_t messages_in_ = 0, messages_out_ = 0, bytes_in_ = 0, bytes_out_ = 0;
+};
+
+}  // namespace diaphane::api::stream

@@ -1,0 +1,60 @@
+#include "api/stream/hub.h"
+
+#include "common/log.h"
+
+namespace diaphane::api::stream {
+
+bool Hub::enter(const std::shared_ptr<Connection>& connection) {
+  const std::lock_guard lock(mutex_);
+  const bool room = connections_.size() < limits.connections;
+  // Also one that is refused is waited for at the end.
+  connections_.emplace(connection.get(), connection);
+  metrics.connection_opened();
+  return room;
+}
+
+void Hub::leave(Connection* connection) {
+  const std::lock_guard lock(mutex_);
+  if (connections_.erase(connection) == 0) return;
+  metrics.connection_closed();
+  if (connections_.empty()) empty_.notify_all();
+}
+
+std::vector<std::shared_ptr<Connection>> Hub::connections() const {
+  std::vector<std::shared_ptr<Connection>> all;
+  const std::lock_guard lock(mutex_);
+  all.reserve(connections_.size());
+  for (const auto& [key, known] : connections_) {
+    if (auto connection = known.lock()) all.push_back(std::move(connection));
+  }
+  return all;
+}
+
+bool Hub::wait_until_empty(std::chrono::milliseconds timeout) {
+  std::unique_lock lock(mutex_);
+  return empty_.wait_for(lock, timeout, [&] { return connections_.empty(); });
+}
+
+bool Hub::enter_user(const std::string& user_id) {
+  const std::lock_guard lock(mutex_);
+  std::size_t& count = users_[user_id];
+  if (count >= limits.connections_per_user) return false;
+  ++count;
+  return true;
+}
+
+void Hub::leave_user(const std::string& user_id) {
+  const std::lock_guard lock(mutex_);
+  const auto found = users_.find(user_id);
+  if (found != users_.end() && --found->second == 0) users_.erase(found);
+}
+
+void Hub::worker_broke_off(const Attachment& attachment) {
+  if (accepts_connections(attachment.address, limits.probe)) return;
+  // Redis away: then nobody is placed anyway.
+  if (!workers.lost(attachment.session.worker_id, attachment.incarnation).value_or(false)) return;
+  metrics.worker_lost();
+  log::warning("worker_lost", {{"worker", attachment.session.worker_id}});
+}
+
+}  // namespace diaphane::api::stream

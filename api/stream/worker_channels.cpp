@@ -1,0 +1,85 @@
+#include "api/stream/worker_channels.h"
+
+#include <netdb.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+namespace diaphane::api::stream {
+namespace {
+
+// A frame of 4096 x 4096 in one message, with room.
+constexpr int kMostMessageBytes = 64 << 20;
+
+class Socket {
+ public:
+  explicit Socket(const addrinfo& info)
+      : handle_(::socket(info.ai_family, info.ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC,
+                         info.ai_protocol)) {}
+  ~Socket() {
+    if (handle_ >= 0) ::close(handle_);
+  }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+
+  bool connects(const addrinfo& info, std::chrono::milliseconds timeout) const {
+    if (handle_ < 0) return false;
+    if (::connect(handle_, info.ai_addr, info.ai_addrlen) == 0) return true;
+    if (errno != EINPROGRESS) return false;
+    pollfd waiting{handle_, POLLOUT, 0};
+    if (::poll(&waiting, 1, static_cast<int>(timeout.count())) != 1) return false;
+    int error = 0;
+    socklen_t size = sizeof error;
+    return ::getsockopt(handle_, SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error == 0;
+  }
+
+ private:
+  int handle_;
+};
+
+}  // namespace
+
+std::shared_ptr<grpc::Channel> WorkerChannels::to(const std::string& address,
+                                                  const std::string& incarnation) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(channels_, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<grpc::Channel>& known = channels_[address + "|" + incarnation];
+  std::shared_ptr<grpc::Channel> channel = known.lock();
+  if (!channel) {
+    grpc::ChannelArguments arguments;
+    arguments.SetMaxReceiveMessageSize(kMostMessageBytes);
+    // Not shared with another incarnation's channel, nor through a proxy of the environment.
+    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+    arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+    arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+    arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 1000);
+    arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
+    channel = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+    known = channel;
+  }
+  return channel;
+}
+
+bool accepts_connections(const std::string& address, std::chrono::milliseconds timeout) {
+  const std::size_t colon = address.rfind(':');
+  if (colon == std::string::npos) return false;
+  std::string host = address.substr(0, colon);
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  addrinfo wanted{};
+  wanted.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (::getaddrinfo(host.c_str(), address.c_str() + colon + 1, &wanted, &found) != 0) return false;
+  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> owner(found, &::freeaddrinfo);
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  for (const addrinfo* one = found; one != nullptr; one = one->ai_next) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+        deadline - std::chrono::steady_clock::now());
+    if (left.count() <= 0) return false;
+    if (Socket(*one).connects(*one, left)) return true;
+  }
+  return false;
+}
+
+}  // namespace diaphane::api::stream

@@ -1,0 +1,187 @@
+#include "api/stream/worker_link.h"
+
+#include <utility>
+
+namespace diaphane::api::stream {
+
+namespace v1 = diaphane::v1;
+
+std::shared_ptr<WorkerLink> WorkerLink::open(const std::shared_ptr<grpc::Channel>& channel,
+                                             const Attachment& attachment,
+                                             std::weak_ptr<LinkEvents> events) {
+  std::shared_ptr<WorkerLink> link(new WorkerLink(channel, std::move(events)));
+  v1::Open& open = *link->request_.mutable_open();
+  open.set_session_id(attachment.session.id);
+  open.set_volume_id(attachment.session.data_set_id);
+  open.set_placement(attachment.placement);
+  if (!attachment.scene.empty()) {
+    // What cannot be read any more is as if there were none: the picture starts with the first
+    // preset.
+    if (open.mutable_scene()->ParseFromString(attachment.scene)) {
+      open.set_input_seq(attachment.input_seq);
+    } else {
+      open.clear_scene();
+    }
+  }
+  if (attachment.width != 0 && attachment.height != 0) {
+    open.mutable_viewport()->set_width(attachment.width);
+    open.mutable_viewport()->set_height(attachment.height);
+  }
+  link->self_ = link;
+  link->reading_ = true;
+  link->writing_ = true;
+  link->stub_->async()->Attach(&link->context_, link.get());
+  link->AddHold();  // writes begin outside of gRPC's own calls
+  link->StartRead(&link->reply_);
+  link->StartWrite(&link->request_);
+  link->StartCall();
+  return link;
+}
+
+WorkerLink::WorkerLink(const std::shared_ptr<grpc::Channel>& channel,
+                       std::weak_ptr<LinkEvents> events)
+    : stub_(v1::RenderWorker::NewStub(channel)), events_(std::move(events)) {
+  // A worker that is away is said at once; the viewer asks for another.
+  context_.set_wait_for_ready(false);
+}
+
+bool WorkerLink::send(std::string client_message) {
+  Step step = Step::kNone;
+  bool room = true;
+  {
+    const std::lock_guard lock(mutex_);
+    if (finishing_ || writes_ended_) return true;
+    unsent_.push_back(std::move(client_message));
+    step = next_write();
+    room = unsent_.size() < kMostUnsent;
+    told_full_ = !room;
+  }
+  carry_out(step);
+  return room;
+}
+
+void WorkerLink::delivered() {
+  {
+    const std::lock_guard lock(mutex_);
+    --undelivered_;
+    if (reading_ || reads_ended_ || undelivered_ >= kMostUndelivered) return;
+    reading_ = true;
+  }
+  StartRead(&reply_);
+}
+
+void WorkerLink::finish() {
+  Step step = Step::kNone;
+  bool resume = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (finishing_) return;
+    finishing_ = true;
+    step = next_write();
+    // Nobody takes messages any more: what comes is read and dropped, until the end of the call.
+    if (!reading_ && !reads_ended_) resume = reading_ = true;
+  }
+  carry_out(step);
+  if (resume) StartRead(&reply_);
+}
+
+void WorkerLink::cancel() {
+  context_.TryCancel();
+  finish();
+}
+
+void WorkerLink::OnReadDone(bool ok) {
+  if (!ok) {
+    Step step = Step::kNone;
+    {
+      const std::lock_guard lock(mutex_);
+      reading_ = false;
+      reads_ended_ = true;
+      writes_ended_ = true;
+      unsent_.clear();
+      step = next_write();
+    }
+    carry_out(step);
+    return;
+  }
+  std::string message = std::move(*reply_.mutable_server_message());
+  bool more = false, wanted = false;
+  {
+    const std::lock_guard lock(mutex_);
+    wanted = !finishing_;
+    if (wanted) ++undelivered_;
+    more = reading_ = !wanted || undelivered_ < kMostUndelivered;
+  }
+  if (wanted) {
+    if (const auto events = events_.lock()) {
+      events->on_link_message(std::move(message));
+    } else {
+      cancel();
+    }
+  }
+  if (more) StartRead(&reply_);
+}
+
+void WorkerLink::OnWriteDone(bool ok) {
+  Step step = Step::kNone;
+  bool opened = false, writable = false;
+  {
+    const std::lock_guard lock(mutex_);
+    writing_ = false;
+    if (ok) {
+      opened = !std::exchange(open_, true);
+    } else {
+      writes_ended_ = true;
+      unsent_.clear();
+    }
+    step = next_write();
+    if (told_full_ && unsent_.size() < kMostUnsent / 2) {
+      told_full_ = false;
+      writable = true;
+    }
+  }
+  carry_out(step);
+  if (!opened && !writable) return;
+  if (const auto events = events_.lock()) {
+    if (opened) events->on_link_open();
+    if (writable) events->on_link_writable();
+  }
+}
+
+void WorkerLink::OnDone(const grpc::Status& status) {
+  const std::shared_ptr<WorkerLink> alive = std::move(self_);
+  if (const auto events = events_.lock()) events->on_link_ended(status);
+}
+
+WorkerLink::Step WorkerLink::next_write() {
+  if (writing_ || released_) return Step::kNone;
+  if (!writes_ended_ && !unsent_.empty()) {
+    writing_ = true;
+    request_.set_client_message(std::move(unsent_.front()));
+    unsent_.pop_front();
+    return Step::kWrite;
+  }
+  if (!writes_ended_ && !finishing_) return Step::kNone;
+  released_ = true;
+  const bool say_so = finishing_ && !std::exchange(writes_ended_, true);
+  return say_so ? Step::kWritesDone : Step::kRelease;
+}
+
+void WorkerLink::carry_out(Step step) {
+  switch (step) {
+    case Step::kNone:
+      break;
+    case Step::kWrite:
+      StartWrite(&request_);
+      break;
+    case Step::kWritesDone:
+      StartWritesDone();
+      RemoveHold();
+      break;
+    case Step::kRelease:
+      RemoveHold();
+      break;
+  }
+}
+
+}  // namespace diaphane::api::stream

@@ -1,0 +1,71 @@
+#include "api/stream/worker_stills.h"
+
+#include <algorithm>
+#include <chrono>
+#include <tuple>
+
+#include "api/proto/worker.grpc.pb.h"
+#include "common/log.h"
+
+namespace diaphane::api::stream {
+namespace {
+
+namespace v1 = diaphane::v1;
+
+constexpr std::chrono::seconds kLongest{20};
+constexpr std::size_t kMostTries = 2;
+
+Error error_of(const grpc::Status& status) {
+  switch (status.error_code()) {
+    case grpc::StatusCode::NOT_FOUND:
+      return {ErrorCode::kNotFound, "The renderer has no such scan.", {}};
+    case grpc::StatusCode::INVALID_ARGUMENT:
+      return {ErrorCode::kInvalid, "There is no such picture.", {}};
+    case grpc::StatusCode::RESOURCE_EXHAUSTED:
+    case grpc::StatusCode::DEADLINE_EXCEEDED:
+      return {ErrorCode::kUnavailable, "The renderer is busy; try again in a moment.", {}};
+    default:
+      return {ErrorCode::kUnavailable, "No renderer answers; try again in a moment.", {}};
+  }
+}
+
+}  // namespace
+
+Result<std::string> WorkerStills::render(const StillRequest& request) {
+  const auto deadline = std::chrono::system_clock::now() + kLongest;
+  Result<std::vector<WorkerInfo>> workers = workers_.alive();
+  if (!workers) return tl::unexpected(workers.error());
+  std::erase_if(*workers, [](const WorkerInfo& one) { return one.draining; });
+  std::sort(workers->begin(), workers->end(), [&](const WorkerInfo& a, const WorkerInfo& b) {
+    const auto rank = [&](const WorkerInfo& one) {
+      const bool has_it = std::find(one.volumes.begin(), one.volumes.end(), request.data_set_id) !=
+                          one.volumes.end();
+      return std::tuple(!has_it, static_cast<double>(one.used) / std::max(1u, one.slots), one.id);
+    };
+    return rank(a) < rank(b);
+  });
+
+  v1::StillRequest wanted;
+  wanted.set_volume_id(request.data_set_id);
+  wanted.set_preset(request.preset);
+  wanted.set_width(request.width);
+  wanted.set_height(request.height);
+  wanted.set_samples(request.samples);
+  Error last{ErrorCode::kUnavailable, "No renderer is running; try again in a moment.", {}};
+  for (std::size_t i = 0; i < std::min(workers->size(), kMostTries); ++i) {
+    const WorkerInfo& worker = (*workers)[i];
+    const auto stub = v1::RenderWorker::NewStub(channels_.to(worker.address, worker.incarnation));
+    grpc::ClientContext context;
+    context.set_deadline(deadline);
+    v1::StillReply reply;
+    const grpc::Status status = stub->RenderStill(&context, wanted, &reply);
+    if (status.ok()) return std::move(*reply.mutable_jpeg());
+    last = error_of(status);
+    log::warning("still_failed",
+                 {{"worker", worker.id}, {"status", static_cast<int>(status.error_code())}});
+    if (status.error_code() != grpc::StatusCode::UNAVAILABLE) break;
+  }
+  return tl::unexpected(std::move(last));
+}
+
+}  // namespace diaphane::api::stream
