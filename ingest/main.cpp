@@ -1,0 +1,104 @@
+// diaphane-ingestd: wiring only.
+#include <atomic>
+#include <cstdio>
+#include <thread>
+
+#include "common/config.h"
+#include "common/ids.h"
+#include "common/log.h"
+#include "common/service/admin_server.h"
+#include "common/service/signals.h"
+#include "ingest/pipeline/builder.h"
+#include "ingest/pipeline/child.h"
+#include "ingest/pipeline/metrics.h"
+#include "ingest/pipeline/postgres_jobs.h"
+#include "ingest/pipeline/scratch.h"
+#include "ingest/pipeline/worker.h"
+#include "volume/store.h"
+
+namespace {
+
+using namespace diaphane;
+
+constexpr int kExitUnavailable = 69;  // sysexits.h: EX_UNAVAILABLE
+
+struct Options {
+  std::string postgres;
+  std::uint16_t admin_port = 0;
+  std::chrono::milliseconds lease{5000};
+  ingest::SandboxBuilder::Options builder;
+  ingest::Worker::Options worker;
+};
+
+std::optional<int> read_options(int argc, char** argv, Options& options) {
+  ConfigReader in(argc, argv);
+  options.postgres = in.text("postgres", "libpq URL");
+  options.worker.upload_dir = in.directory("upload-dir", "where uploads arrive, as <id>.tar");
+  options.worker.volume_dir = in.directory("volume-dir", "the volume store");
+  options.builder.scratch_dir = in.directory("scratch-dir", "for unnamed files while building");
+  options.admin_port = in.port("admin-port", "metrics and health, 127.0.0.1 only");
+  options.builder.memory_limit_mb = static_cast<std::uint64_t>(
+      in.integer("memory-limit-mb", "address space of a child, MiB", 64, 1 << 20, 6144));
+  options.builder.time_limit_s = static_cast<std::uint32_t>(
+      in.integer("time-limit-s", "time of a child, seconds", 1, 86400, 300));
+  options.builder.quota_mb =
+      static_cast<std::uint64_t>(in.integer("quota-mb", "the largest volume, MiB", 1, 8192, 2048));
+  options.lease = std::chrono::milliseconds(
+      in.integer("lease-ms", "how long a job is held between renewals", 500, 600000, 5000));
+  options.worker.renew = options.lease * 3 / 10;
+  options.builder.program = "/proc/self/exe";
+  return in.finish("diaphane-ingestd: makes volumes of uploaded series");
+}
+
+void sweep(const Options& options) {
+  const auto volumes = volume::sweep_unfinished(options.worker.volume_dir);
+  const auto scratch = ingest::sweep_scratch(options.builder.scratch_dir);
+  log::info("swept", {{"volumes", volumes.value_or(0)}, {"scratch", scratch}});
+}
+
+int serve(const Options& options) {
+  service::StopSignal stop;
+  std::atomic<bool> postgres_there{false};
+  service::AdminServer::Options admin_options;
+  admin_options.port = options.admin_port;
+  admin_options.program = "ingestd";
+  admin_options.checks = {
+      {"postgres", [&] { return postgres_there.load(); }},
+      {"volume store", [&] { return ingest::can_write(options.worker.volume_dir); }},
+      {"scratch", [&] { return ingest::can_write(options.builder.scratch_dir); }}};
+  auto admin = service::AdminServer::start(std::move(admin_options));
+  if (!admin) {
+    std::fprintf(stderr, "diaphane-ingestd: %s\n", admin.error().message.c_str());
+    return kExitUnavailable;
+  }
+  sweep(options);
+  ingest::Metrics metrics((*admin)->registry());
+  ingest::WorkerEvents events = metrics.events();
+  events.postgres = [&](bool there) { postgres_there = there; };
+  ingest::PostgresJobs jobs(options.postgres, new_id(), options.lease);
+  ingest::SandboxBuilder builder(options.builder);
+  ingest::Worker worker(options.worker, jobs, builder, std::move(events));
+  // Children end with the thread that made them (supervisor.cpp): it lives as long as the work
+  // does.
+  std::thread thread([&] { worker.run(); });
+  log::info("started");
+  const int signal = stop.wait();
+  log::info("draining", {{"signal", signal}});
+  (*admin)->set_draining();
+  worker.stop();
+  thread.join();
+  log::info("stopped");
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == ingest::kChildWord) {
+    return ingest::run_child_with({argv + 2, argv + argc});
+  }
+  Options options;
+  if (auto done = read_options(argc, argv, options)) return *done;
+  log::start("ingestd");
+  return serve(options);
+}

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/result.h"
+#include "volume/volume.h"
+
+namespace diaphane::ingest {
+
+/// One upload to be made into a volume, as claimed.
+struct Job {
+  std::string data_set_id;  ///< also the volume's directory
+  std::string upload_id;    ///< the file <upload-dir>/<upload_id>.tar
+  int attempts = 0;         ///< this one counted
+};
+
+/// How a job stands for its claimer.
+enum class Hold {
+  kOurs,
+  kLost,     ///< its lease went to somebody else, or it is done
+  kDeleted,  ///< its data set is gone
+};
+
+/// The queue in Postgres (migrations/0002). Everything fails with kUnavailable while Postgres is
+/// away.
+class JobStore {
+ public:
+  virtual ~JobStore() = default;
+  /// The oldest job that nobody holds, now held by this claimer for a lease; its data set is
+  /// "building".
+  virtual Result<std::optional<Job>> claim() = 0;
+  /// Holds it for another lease.
+  virtual Result<Hold> renew(const Job& job) = 0;
+  /// The data set is "ready" and the job, the upload's row and (soon) its file are gone: one
+  /// transaction.
+  virtual Result<Hold> finish_ready(const Job& job, const volume::Header& header,
+                                    std::uint64_t bytes) = 0;
+  /// The data set is "refused" with a reason; the rest as above.
+  virtual Result<Hold> finish_refused(const Job& job, const std::string& code,
+                                      const std::string& text) = 0;
+  /// Gives it back unharmed: this attempt does not count.
+  virtual Result<void> release(const Job& job) = 0;
+  /// The upload's file is gone from disk.
+  virtual Result<void> upload_removed(const std::string& upload_id) = 0;
+  /// Jobs that wait or are being built.
+  virtual Result<std::int64_t> queue_depth() = 0;
+};
+
+}  // namespace diaphane::ingest

@@ -1,0 +1,53 @@
+#include "ingest/pipeline/metrics.h"
+
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+
+namespace diaphane::ingest {
+
+struct Metrics::Impl {
+  prometheus::Family<prometheus::Counter>& jobs;
+  prometheus::Histogram& seconds;
+  prometheus::Gauge& peak;
+  prometheus::Gauge& depth;
+};
+
+Metrics::Metrics(prometheus::Registry& registry)
+    : impl_(new Impl{prometheus::BuildCounter()
+                         .Name("diaphane_ingest_jobs_total")
+                         .Help("Uploads dealt with, by result: ready, or why they were refused.")
+                         .Register(registry),
+                     prometheus::BuildHistogram()
+                         .Name("diaphane_ingest_build_seconds")
+                         .Help("Time of the child that reads an upload.")
+                         .Register(registry)
+                         .Add({}, prometheus::Histogram::BucketBoundaries{0.25, 0.5, 1, 2, 4, 8, 16,
+                                                                          32, 64, 128, 256}),
+                     prometheus::BuildGauge()
+                         .Name("diaphane_ingest_child_peak_bytes")
+                         .Help("Largest resident memory of the last child.")
+                         .Register(registry)
+                         .Add({}),
+                     prometheus::BuildGauge()
+                         .Name("diaphane_ingest_queue_depth")
+                         .Help("Uploads that wait or are being read.")
+                         .Register(registry)
+                         .Add({})}) {
+  impl_->jobs.Add({{"result", "ready"}});  // shown as 0 before the first
+}
+Metrics::~Metrics() = default;
+
+WorkerEvents Metrics::events() {
+  WorkerEvents events;
+  Impl* self = impl_.get();
+  events.done = [self](const std::string& code) { self->jobs.Add({{"result", code}}).Increment(); };
+  events.built = [self](double seconds, std::uint64_t peak) {
+    self->seconds.Observe(seconds);
+    self->peak.Set(static_cast<double>(peak));
+  };
+  events.queue_depth = [self](std::int64_t depth) { self->depth.Set(static_cast<double>(depth)); };
+  return events;
+}
+
+}  // namespace diaphane::ingest

@@ -1,0 +1,225 @@
+#include "ingest/pipeline/postgres_jobs.h"
+
+#include <pqxx/pqxx>
+
+#include "common/ids.h"
+#include "common/log.h"
+
+namespace diaphane::ingest {
+namespace {
+
+std::string with_settings(const std::string& url) {
+  const std::string settings[] = {"connect_timeout=2", "application_name=diaphane-ingestd",
+                                  "keepalives_idle=5"};
+  const bool is_url = url.find("://") != std::string::npos;
+  std::string all = url;
+  for (const std::string& setting : settings) {
+    all += !is_url ? " " : all.find('?') == std::string::npos ? "?" : "&";
+    all += setting;
+  }
+  return all;
+}
+
+const char* name_of(volume::Modality modality) {
+  switch (modality) {
+    case volume::Modality::kCt:
+      return "CT";
+    case volume::Modality::kMr:
+      return "MR";
+    case volume::Modality::kPt:
+      return "PT";
+    case volume::Modality::kOther:
+      break;
+  }
+  return "OTHER";
+}
+
+/// A text array as Postgres writes one.
+std::string array_of(const std::vector<std::string>& texts) {
+  std::string array = "{";
+  for (const std::string& text : texts) {
+    if (array.size() > 1) array += ',';
+    array += '"';
+    for (const char c : text) {
+      if (c == '"' || c == '\\') array += '\\';
+      array += c;
+    }
+    array += '"';
+  }
+  return array + "}";
+}
+
+}  // namespace
+
+struct PostgresJobs::Impl {
+  std::string url;
+  std::string claimer;
+  double lease_seconds;
+  std::unique_ptr<pqxx::connection> connection;
+
+  pqxx::connection& connected() {
+    if (connection) return *connection;
+    connection = std::make_unique<pqxx::connection>(url);
+    // libpqxx 6 would quietly open a lost connection anew, without the settings. (7 no longer
+    // does.)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
+    connection->inhibit_reactivation(true);
+#pragma GCC diagnostic pop
+    pqxx::nontransaction(*connection).exec("SET statement_timeout = '5s'; SET lock_timeout = '3s'");
+    return *connection;
+  }
+
+  /// Runs `work` in a transaction of its own and commits it.
+  template <typename Work>
+  auto transact(Work work) -> Result<decltype(work(std::declval<pqxx::work&>()))> {
+    try {
+      pqxx::work transaction(connected());
+      auto value = work(transaction);
+      transaction.commit();
+      return value;
+    } catch (const pqxx::broken_connection&) {
+    } catch (const pqxx::in_doubt_error&) {
+      // Committed or not: the caller asks again, and every question here may be asked twice.
+    } catch (const pqxx::sql_error& error) {
+      const std::string state = error.sqlstate();
+      const bool passing = state.starts_with("57") || state.starts_with("53") ||
+                           state.starts_with("08") || state.starts_with("40") || state == "55P03";
+      if (!passing) log::error("sql_error", {{"sqlstate", state}});
+    } catch (const pqxx::failure&) {
+    }
+    connection.reset();
+    return fail(ErrorCode::kUnavailable, "Postgres is away");
+  }
+
+  /// Ours and to be changed now: the data set is locked first, as `api` does, so that nobody waits
+  /// in a ring.
+  Hold take(pqxx::work& transaction, const Job& job) const {
+    const auto data_set = transaction.exec_params(
+        "SELECT 1 FROM data_sets WHERE id = $1 FOR UPDATE", job.data_set_id);
+    if (data_set.empty()) return Hold::kDeleted;
+    const auto removed =
+        transaction.exec_params("DELETE FROM ingest_jobs WHERE data_set_id = $1 AND leased_by = $2",
+                                job.data_set_id, claimer);
+    if (removed.affected_rows() == 0) return Hold::kLost;
+    transaction.exec_params("DELETE FROM uploads WHERE id = $1", job.upload_id);
+    transaction.exec_params(
+        "INSERT INTO disposals (kind, id) VALUES ('upload', $1) ON CONFLICT DO NOTHING",
+        job.upload_id);
+    return Hold::kOurs;
+  }
+};
+
+PostgresJobs::PostgresJobs(std::string url, std::string claimer, std::chrono::milliseconds lease)
+    : impl_(std::make_unique<Impl>(Impl{with_settings(url), std::move(claimer),
+                                        static_cast<double>(lease.count()) / 1000, nullptr})) {}
+PostgresJobs::~PostgresJobs() = default;
+
+Result<std::optional<Job>> PostgresJobs::claim() {
+  return impl_->transact([&](pqxx::work& transaction) -> std::optional<Job> {
+    const auto rows = transaction.exec_params(
+        R"sql(
+        WITH next AS (
+          SELECT j.data_set_id FROM ingest_jobs j JOIN data_sets d ON d.id = j.data_set_id
+           WHERE j.not_before <= now() AND (j.leased_until IS NULL OR j.leased_until <= now())
+           ORDER BY j.created_at LIMIT 1 FOR UPDATE OF d, j SKIP LOCKED),
+        building AS (
+          UPDATE data_sets d SET state = 'building', updated_at = now() FROM next
+           WHERE d.id = next.data_set_id)
+        UPDATE ingest_jobs j
+           SET leased_by = $1, leased_until = now() + make_interval(secs => $2), attempts = attempts + 1
+          FROM next WHERE j.data_set_id = next.data_set_id
+        RETURNING j.data_set_id, j.upload_id, j.attempts)sql",
+        impl_->claimer, impl_->lease_seconds);
+    if (rows.empty()) return std::nullopt;
+    return Job{rows[0][0].as<std::string>(), rows[0][1].as<std::string>(), rows[0][2].as<int>()};
+  });
+}
+
+Result<Hold> PostgresJobs::renew(const Job& job) {
+  return impl_->transact([&](pqxx::work& transaction) {
+    const auto renewed = transaction.exec_params(
+        R"sql(
+        UPDATE ingest_jobs SET leased_until = now() + make_interval(secs => $3)
+         WHERE data_set_id = $1 AND leased_by = $2)sql",
+        job.data_set_id, impl_->claimer, impl_->lease_seconds);
+    if (renewed.affected_rows() > 0) return Hold::kOurs;
+    const auto left =
+        transaction.exec_params("SELECT 1 FROM data_sets WHERE id = $1", job.data_set_id);
+    return left.empty() ? Hold::kDeleted : Hold::kLost;
+  });
+}
+
+Result<Hold> PostgresJobs::finish_ready(const Job& job, const volume::Header& header,
+                                        std::uint64_t bytes) {
+  return impl_->transact([&](pqxx::work& transaction) {
+    const Hold hold = impl_->take(transaction, job);
+    if (hold != Hold::kOurs) return hold;
+    transaction.exec_params(
+        R"sql(
+        UPDATE data_sets
+           SET state = 'ready', refusal_code = NULL, refusal_text = NULL, modality = $2,
+               size_x = $3, size_y = $4, size_z = $5,
+               spacing_x = $6, spacing_y = $7, spacing_z = $8,
+               repairs = $9::text[], volume_bytes = $10, updated_at = now()
+         WHERE id = $1)sql",
+        job.data_set_id, name_of(header.modality), static_cast<int>(header.size[0]),
+        static_cast<int>(header.size[1]), static_cast<int>(header.size[2]), header.spacing[0],
+        header.spacing[1], header.spacing[2], array_of(header.repairs),
+        static_cast<std::int64_t>(bytes));
+    return hold;
+  });
+}
+
+Result<Hold> PostgresJobs::finish_refused(const Job& job, const std::string& code,
+                                          const std::string& text) {
+  return impl_->transact([&](pqxx::work& transaction) {
+    const Hold hold = impl_->take(transaction, job);
+    if (hold != Hold::kOurs) return hold;
+    transaction.exec_params(
+        R"sql(
+        UPDATE data_sets
+           SET state = 'refused', refusal_code = $2, refusal_text = $3, updated_at = now()
+         WHERE id = $1)sql",
+        job.data_set_id, code, text);
+    return hold;
+  });
+}
+
+Result<void> PostgresJobs::release(const Job& job) {
+  auto done = impl_->transact([&](pqxx::work& transaction) {
+    const auto data_set = transaction.exec_params(
+        "SELECT 1 FROM data_sets WHERE id = $1 FOR UPDATE", job.data_set_id);
+    const auto given = transaction.exec_params(
+        R"sql(
+        UPDATE ingest_jobs SET leased_by = NULL, leased_until = NULL, attempts = attempts - 1
+         WHERE data_set_id = $1 AND leased_by = $2)sql",
+        job.data_set_id, impl_->claimer);
+    if (given.affected_rows() > 0) {
+      transaction.exec_params(
+          "UPDATE data_sets SET state = 'queued', updated_at = now() WHERE id = $1",
+          job.data_set_id);
+    }
+    return data_set.size();
+  });
+  if (!done) return tl::unexpected(done.error());
+  return {};
+}
+
+Result<void> PostgresJobs::upload_removed(const std::string& upload_id) {
+  auto done = impl_->transact([&](pqxx::work& transaction) {
+    return transaction
+        .exec_params("DELETE FROM disposals WHERE kind = 'upload' AND id = $1", upload_id)
+        .affected_rows();
+  });
+  if (!done) return tl::unexpected(done.error());
+  return {};
+}
+
+Result<std::int64_t> PostgresJobs::queue_depth() {
+  return impl_->transact([](pqxx::work& transaction) {
+    return transaction.exec1("SELECT count(*) FROM ingest_jobs")[0].as<std::int64_t>();
+  });
+}
+
+}  // namespace diaphane::ingest

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "ingest/pipeline/job_store.h"
+
+namespace diaphane::ingest {
+
+/// The queue by libpqxx; one connection, opened when needed and again after it was lost. For one
+/// thread.
+class PostgresJobs final : public JobStore {
+ public:
+  /// `claimer` names this process in leases; a new name at each start.
+  PostgresJobs(std::string url, std::string claimer, std::chrono::milliseconds lease);
+  ~PostgresJobs() override;
+
+  Result<std::optional<Job>> claim() override;
+  Result<Hold> renew(const Job& job) override;
+  Result<Hold> finish_ready(const Job& job, const volume::Header& header,
+                            std::uint64_t bytes) override;
+  Result<Hold> finish_refused(const Job& job, const std::string& code,
+                              const std::string& text) override;
+  Result<void> release(const Job& job) override;
+  Result<void> upload_removed(const std::string& upload_id) override;
+  Result<std::int64_t> queue_depth() override;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace diaphane::ingest

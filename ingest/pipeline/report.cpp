@@ -1,0 +1,66 @@
+#include "ingest/pipeline/report.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "volume/header.h"
+
+namespace diaphane::ingest {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kLongestText = 400;
+constexpr std::size_t kMostRepairs = 20;
+
+bool is_code(std::string_view text) {
+  return !text.empty() && text.size() <= 40 &&
+         text.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string_view::npos;
+}
+
+bool is_sentence(std::string_view text) {
+  return text.size() <= kLongestText &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
+}
+
+}  // namespace
+
+Verdict refused(std::string code, std::string text) {
+  Verdict verdict;
+  verdict.code = std::move(code);
+  verdict.text = std::move(text);
+  return verdict;
+}
+
+std::string write_report(const Verdict& verdict) {
+  if (!verdict.ready) return json{{"code", verdict.code}, {"text", verdict.text}}.dump();
+  auto header = volume::to_json(verdict.header);
+  if (!header) return json{{"code", "internal"}, {"text", header.error().message}}.dump();
+  return json{{"header", *header}}.dump();
+}
+
+Result<Verdict> read_report(const std::string& report) {
+  const json body = json::parse(report, nullptr, false);
+  const auto bad = [] { return fail(ErrorCode::kInvalid, "the report makes no sense"); };
+  if (!body.is_object()) return bad();
+  if (!body.contains("header")) {
+    const json code = body.value("code", json()), text = body.value("text", json());
+    if (!code.is_string() || !text.is_string()) return bad();
+    Verdict verdict = refused(code.get<std::string>(), text.get<std::string>());
+    if (!is_code(verdict.code) || !is_sentence(verdict.text)) return bad();
+    return verdict;
+  }
+  if (!body["header"].is_string()) return bad();
+  auto header = volume::from_json(body["header"].get<std::string>());
+  if (!header || !header->content_hash.empty() || header->repairs.size() > kMostRepairs ||
+      !std::all_of(header->repairs.begin(), header->repairs.end(), is_sentence)) {
+    return bad();
+  }
+  Verdict verdict;
+  verdict.ready = true;
+  verdict.header = std::move(*header);
+  return verdict;
+}
+
+}  // namespace diaphane::ingest

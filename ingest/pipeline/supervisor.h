@@ -1,0 +1,41 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+
+namespace diaphane::ingest {
+
+/// Descriptors that a child finds open, besides 0, 1 and 2 (which are /dev/null).
+inline constexpr int kChildInput = 3;   ///< the upload, read only
+inline constexpr int kChildOutput = 4;  ///< an unnamed file, for voxels
+inline constexpr int kChildReport = 5;  ///< a pipe, for at most kLongestReport bytes
+inline constexpr std::size_t kLongestReport = 60000;
+
+struct ChildCommand {
+  std::string program;                 ///< a path
+  std::vector<std::string> arguments;  ///< without the name of the program
+  int input = -1;                      ///< descriptors of this process that become the child's
+  int output = -1;
+  std::chrono::milliseconds time_limit{60000};
+};
+
+struct ChildEnd {
+  enum class How { kExited, kCrashed, kTimedOut, kStopped };
+  How how = How::kCrashed;
+  int exit_code = 0;
+  int signal = 0;
+  std::string report;
+  std::uint64_t peak_bytes = 0;  ///< the largest resident set
+};
+
+/// Runs a child with an empty environment and nothing open but the descriptors above, and waits for
+/// its end. It is killed at its time limit, when `go_on` (asked every 50 ms) says false, and by the
+/// kernel when the calling thread ends. kInternal when it cannot be started.
+Result<ChildEnd> run_child(const ChildCommand& command, const std::function<bool()>& go_on);
+
+}  // namespace diaphane::ingest

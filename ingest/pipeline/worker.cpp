@@ -1,0 +1,183 @@
+#include "ingest/pipeline/worker.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <thread>
+
+#include "common/ids.h"
+#include "common/log.h"
+
+namespace diaphane::ingest {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+std::string Worker::upload_path(const Job& job) const {
+  return options_.upload_dir + "/" + job.upload_id + ".tar";
+}
+
+std::string Worker::volume_path(const Job& job) const {
+  return options_.volume_dir + "/" + job.data_set_id;
+}
+
+void Worker::note_postgres(bool there) {
+  events_.postgres(there);
+  if (there == postgres_there_) return;
+  postgres_there_ = there;
+  if (there) {
+    log::info("postgres_back");
+  } else {
+    log::warning("postgres_away", {{"effect", "jobs wait; nothing is lost"}});
+  }
+}
+
+void Worker::pause(std::chrono::milliseconds span) {
+  constexpr std::chrono::milliseconds kStep{50};
+  for (const auto until = Clock::now() + span; !stopping_ && Clock::now() < until;) {
+    std::this_thread::sleep_for(std::min(span, kStep));
+  }
+}
+
+/// A stop is wanted, and the time that a build may still have is over.
+bool Worker::stop_is_due() {
+  if (!stopping_) return false;
+  if (stop_seen_ == SteadyTime{}) stop_seen_ = Clock::now();
+  return Clock::now() - stop_seen_ > options_.drain;
+}
+
+template <typename Ask>
+auto Worker::insist(Ask ask) -> decltype(ask()) {
+  for (;;) {
+    auto answer = ask();
+    const bool away = !answer && answer.error().code == ErrorCode::kUnavailable;
+    note_postgres(!away);
+    if (!away || stop_is_due()) return answer;
+    std::this_thread::sleep_for(std::min(options_.poll, std::chrono::milliseconds(200)));
+  }
+}
+
+void Worker::run() {
+  auto next_count = Clock::now();
+  while (!stopping_) {
+    if (Clock::now() >= next_count) {
+      if (auto depth = jobs_.queue_depth()) events_.queue_depth(*depth);
+      next_count = Clock::now() + std::chrono::seconds(2);
+    }
+    if (!work_once()) pause(options_.poll);
+  }
+}
+
+bool Worker::work_once() {
+  auto claimed = jobs_.claim();
+  note_postgres(claimed || claimed.error().code != ErrorCode::kUnavailable);
+  if (!claimed || !*claimed) return false;
+  work(**claimed);
+  return true;
+}
+
+void Worker::work(const Job& job) {
+  if (!is_id(job.data_set_id) || !is_id(job.upload_id)) return;  // never: a path is made of them
+  log::info("ingest_begun", {{"data_set", job.data_set_id}, {"attempt", job.attempts}});
+  if (job.attempts > options_.most_attempts) {
+    Build given_up;
+    given_up.verdict =
+        refused("internal", "This upload could not be processed; please send it again.");
+    return finish(job, given_up);
+  }
+  Hold hold = Hold::kOurs;
+  auto next_renewal = Clock::now() + options_.renew;
+  const auto go_on = [&] {
+    if (stop_is_due()) return false;
+    if (Clock::now() < next_renewal) return true;
+    next_renewal = Clock::now() + options_.renew;
+    auto renewed = jobs_.renew(job);
+    note_postgres(renewed || renewed.error().code != ErrorCode::kUnavailable);
+    // While Postgres is away nobody else can claim it either.
+    if (renewed) hold = *renewed;
+    return hold == Hold::kOurs;
+  };
+  auto build = builder_.build(upload_path(job), go_on);
+  if (!build) {
+    log::error("ingest_failed", {{"data_set", job.data_set_id}, {"reason", build.error().message}});
+    pause(options_.poll);  // our own means are short: the lease runs out and the job is tried again
+    return;
+  }
+  if (hold != Hold::kOurs) {
+    log::info("ingest_dropped",
+              {{"data_set", job.data_set_id}, {"deleted", hold == Hold::kDeleted}});
+    if (hold == Hold::kDeleted) remove_original(job);
+    return;
+  }
+  if (build->stopped) return give_back(job);
+  events_.built(build->seconds, build->peak_bytes);
+  finish(job, *build);
+}
+
+void Worker::finish(const Job& job, Build& build) {
+  Verdict& verdict = build.verdict;
+  const std::uint64_t bytes = build.volume.voxels.size() * sizeof(std::int16_t);
+  if (verdict.ready) {
+    // Only with a fresh lease is the volume's directory ours to write.
+    const auto fresh = insist([&] { return jobs_.renew(job); });
+    if (!fresh || *fresh != Hold::kOurs) {
+      if (fresh && *fresh == Hold::kDeleted) remove_original(job);
+      return;
+    }
+    if (auto stored = store(job, build.volume); !stored) {
+      log::error("volume_not_stored",
+                 {{"data_set", job.data_set_id}, {"reason", stored.error().message}});
+      pause(options_.poll);
+      return;  // the lease runs out and the job is tried again
+    }
+  }
+  const auto hold = insist([&] {
+    return verdict.ready ? jobs_.finish_ready(job, build.volume.header, bytes)
+                         : jobs_.finish_refused(job, verdict.code, verdict.text);
+  });
+  if (!hold) return;  // stopping while Postgres is away: taken up again later
+  if (*hold == Hold::kDeleted) {
+    if (verdict.ready) discard_volume(job);
+    return remove_original(job);
+  }
+  if (*hold == Hold::kLost)
+    return;  // somebody else's now, or said already by an answer that was lost
+  log::info("ingest_done", {{"data_set", job.data_set_id},
+                            {"result", verdict.ready ? "ready" : verdict.code},
+                            {"voxels", build.volume.header.voxel_count()},
+                            {"seconds", build.seconds},
+                            {"peak_mb", static_cast<double>(build.peak_bytes) / (1 << 20)}});
+  events_.done(verdict.ready ? "ready" : verdict.code);
+  remove_original(job);
+}
+
+Result<void> Worker::store(const Job& job, volume::Volume& volume) {
+  auto written = volume::write(volume, volume_path(job));
+  if (written || written.error().code != ErrorCode::kConflict) return written;
+  // Left by a claimer that was killed between storing and saying so. Nobody reads it: it is not
+  // ready.
+  std::error_code error;
+  fs::remove_all(volume_path(job), error);
+  return volume::write(volume, volume_path(job));
+}
+
+void Worker::give_back(const Job& job) {
+  const auto released = jobs_.release(job);
+  log::info("ingest_given_back", {{"data_set", job.data_set_id}, {"said", released.has_value()}});
+}
+
+void Worker::remove_original(const Job& job) {
+  std::error_code error;
+  fs::remove(upload_path(job), error);
+  if (error) {
+    log::error("original_not_removed", {{"upload", job.upload_id}});
+    return;  // its row in `disposals` stays, and `api` tries again
+  }
+  (void)jobs_.upload_removed(job.upload_id);
+}
+
+void Worker::discard_volume(const Job& job) {
+  std::error_code error;
+  fs::remove_all(volume_path(job), error);
+}
+
+}  // namespace diaphane::ingest

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <string>
+
+#include "ingest/pipeline/builder.h"
+#include "ingest/pipeline/job_store.h"
+
+namespace diaphane::ingest {
+
+/// What the worker tells about itself; called from its thread.
+struct WorkerEvents {
+  std::function<void(const std::string& code)> done = [](const std::string&) {};
+  std::function<void(double seconds, std::uint64_t peak_bytes)> built = [](double, std::uint64_t) {
+  };
+  std::function<void(std::int64_t)> queue_depth = [](std::int64_t) {};
+  std::function<void(bool)> postgres = [](bool) {};
+};
+
+/// Takes one job after another: builds it, keeps the volume or says why not, and sees that the
+/// original is gone in every case. Loses nothing while Postgres is away: it holds the result until
+/// it can say so.
+class Worker {
+ public:
+  struct Options {
+    std::string upload_dir;
+    std::string volume_dir;
+    std::chrono::milliseconds poll{500};
+    std::chrono::milliseconds renew{1500};
+    std::chrono::milliseconds drain{2500};  ///< how long a build may go on once a stop is wanted
+    int most_attempts = 3;
+  };
+
+  Worker(Options options, JobStore& jobs, Builder& builder, WorkerEvents events)
+      : options_(std::move(options)), jobs_(jobs), builder_(builder), events_(std::move(events)) {}
+
+  /// Until stop(); then a build has `drain` to end before it is given back.
+  void run();
+  /// One job, if there is one: true. For tests.
+  bool work_once();
+  void stop() { stopping_ = true; }
+
+ private:
+  using SteadyTime = std::chrono::steady_clock::time_point;
+
+  std::optional<Job> claim();
+  void work(const Job& job);
+  void finish(const Job& job, Build& build);
+  Result<void> store(const Job& job, volume::Volume& volume);
+  void give_back(const Job& job);
+  void remove_original(const Job& job);
+  void discard_volume(const Job& job);
+  void note_postgres(bool there);
+  void pause(std::chrono::milliseconds span);
+  bool stop_is_due();
+  /// Asks until Postgres answers, or a stop is wanted.
+  template <typename Ask>
+  auto insist(Ask ask) -> decltype(ask());
+  std::string upload_path(const Job& job) const;
+  std::string volume_path(const Job& job) const;
+
+  Options options_;
+  JobStore& jobs_;
+  Builder& builder_;
+  WorkerEvents events_;
+  std::atomic<bool> stopping_{false};
+  SteadyTime stop_seen_{};
+  bool postgres_there_ = true;
+};
+
+}  // namespace diaphane::ingest
