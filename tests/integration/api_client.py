@@ -1,0 +1,139 @@
+"""A person at the REST API: what the API tests share. Every answer is held against api/openapi.yaml."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+import uuid
+
+import httpx
+import pytest
+from api_contract import Contract
+from harness import REPO, StackHouse, TestStack
+
+CONTRACT = Contract(REPO / "api" / "openapi.yaml")
+PASSWORD = "a long and quiet password"
+PART = 8 * 1024 * 1024
+
+
+@pytest.fixture(scope="session")
+def api(stack_house: StackHouse) -> TestStack:
+    """Stores, api and edge, once for all API tests; no ingestd, so that what is queued stays queued."""
+    if not hasattr(stack_house, "api_stack"):
+        stack_house.api_stack = stack_house.open(only=("postgres", "redis", "api", "edge"))
+    return stack_house.api_stack
+
+
+def client(stack: TestStack) -> httpx.Client:
+    """A browser without a person, every answer checked against the contract."""
+    return httpx.Client(base_url=stack.url, timeout=30, event_hooks={"response": [CONTRACT.check]})
+
+
+def problem(answer: httpx.Response, status: int, kind: str) -> dict:
+    """The problem document, which must be of that status and kind."""
+    assert answer.status_code == status, f"{answer.status_code} {answer.text}"
+    assert answer.headers["content-type"] == "application/problem+json"
+    document = answer.json()
+    assert document["type"] == f"urn:diaphane:problem:{kind}"
+    assert document["status"] == status
+    assert document["request_id"] == answer.headers["x-request-id"]
+    return document
+
+
+def forget_attempts(stack: TestStack) -> None:
+    """All tests come from one address; what one of them wore out, the next does not inherit."""
+    stack.psql("DELETE FROM attempts")
+
+
+def link_token(stack: TestStack, email: str) -> str:
+    """The token of the newest link mailed to that address."""
+    mails = stack.wait_until(lambda: [m for m in stack.mails(email) if "#token=" in m.get_content()], what="the mail")
+    found = re.search(r"(\S+)/verify#token=([0-9a-f]{64})\s", mails[-1].get_content())
+    assert found and found[1] == stack.url
+    return found[2]
+
+
+class Person:
+    """Somebody with an account, signed in."""
+
+    def __init__(self, stack: TestStack, email: str | None = None):
+        self.stack = stack
+        self.email = email or f"person-{uuid.uuid4().hex[:12]}@example.org"
+        self.http = client(stack)
+        self.csrf = ""
+
+    def sign_up(self) -> "Person":
+        forget_attempts(self.stack)
+        answer = self.http.post("/v1/accounts", json={"email": self.email, "password": PASSWORD})
+        assert answer.status_code == 202, answer.text
+        token = link_token(self.stack, self.email)
+        assert self.http.post("/v1/accounts/verify", json={"token": token}).status_code == 204
+        return self
+
+    def sign_in(self) -> "Person":
+        answer = self.http.post("/v1/sign-in", json={"email": self.email, "password": PASSWORD})
+        assert answer.status_code == 200, answer.text
+        self.csrf = answer.json()["csrf_token"]
+        self.http.headers["X-CSRF-Token"] = self.csrf
+        return self
+
+    @property
+    def id(self) -> str:
+        return self.http.get("/v1/me").json()["id"]
+
+    def announce(self, size: int, title: str = "", **headers: str) -> httpx.Response:
+        return self.http.post("/v1/data-sets", json={"title": title, "bytes": size}, headers=headers)
+
+    def data_set(self, size: int = 1000, title: str = "") -> dict:
+        answer = self.announce(size, title)
+        assert answer.status_code == 201, answer.text
+        return answer.json()
+
+    def patch(self, upload_url: str, offset: int, part: bytes, **headers: str) -> httpx.Response:
+        return self.http.patch(upload_url, content=part, headers={
+            "Tus-Resumable": "1.0.0", "Upload-Offset": str(offset),
+            "Content-Type": "application/offset+octet-stream", **headers})
+
+    def offset(self, upload_url: str) -> int:
+        answer = self.http.head(upload_url, headers={"Tus-Resumable": "1.0.0"})
+        assert answer.status_code == 200
+        return int(answer.headers["upload-offset"])
+
+    def upload(self, data: bytes, part_size: int = PART, title: str = "") -> dict:
+        """The data set, all of it uploaded."""
+        made = self.data_set(len(data), title)
+        for start in range(0, len(data), part_size):
+            answer = self.patch(made["upload_url"], start, data[start:start + part_size])
+            assert answer.status_code == 204, answer.text
+        return made["data_set"]
+
+
+def person(stack: TestStack) -> Person:
+    return Person(stack).sign_up().sign_in()
+
+
+def make_ready(stack: TestStack, data_set_id: str) -> None:
+    """What ingestd does in the end, as far as the database shows it."""
+    stack.psql("""UPDATE data_sets SET state = 'ready', modality = 'CT', size_x = 10, size_y = 20, size_z = 30,
+                  spacing_x = 1, spacing_y = 1, spacing_z = 2.5, volume_bytes = 12000, repairs = '{one repair}'
+                  WHERE id = %s""", data_set_id)
+    stack.psql("DELETE FROM ingest_jobs WHERE data_set_id = %s", data_set_id)
+
+
+def add_worker(stack: TestStack, name: str, slots: int = 4, seconds: int = 60) -> None:
+    """A render worker as its heartbeat shows it; nobody listens at its address."""
+    key = f"diaphane:worker:{name}"
+    stack.redis.hset(key, mapping={
+        "address": "127.0.0.1:1", "incarnation": uuid.uuid4().hex, "engine": "cpu", "device": "test", "slots": slots,
+        "used": 0, "draining": 0, "load": "0", "volumes": "", "epoch": "1"})
+    stack.redis.expire(key, seconds)
+    stack.redis.sadd("diaphane:workers", name)
+
+
+def remove_worker(stack: TestStack, name: str) -> None:
+    stack.redis.delete(f"diaphane:worker:{name}", f"diaphane:worker:{name}:sessions")
+
+
+def checksum(algorithm: str, data: bytes) -> str:
+    return f"{algorithm} {base64.b64encode(hashlib.new(algorithm, data).digest()).decode()}"

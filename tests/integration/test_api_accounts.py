@@ -1,0 +1,150 @@
+"""Signing up, in and out, through the edge."""
+
+from __future__ import annotations
+
+import time
+
+from api_client import PASSWORD, Person, api, client, forget_attempts, link_token, person, problem  # noqa: F401
+
+
+def test_the_way_of_a_new_person(api):  # noqa: F811
+    one = Person(api)
+    forget_attempts(api)
+    given = {"email": one.email, "password": PASSWORD}
+    assert one.http.post("/v1/accounts", json=given).status_code == 202
+    problem(one.http.post("/v1/sign-in", json=given), 403, "unverified")
+    token = link_token(api, one.email)
+    assert one.http.post("/v1/accounts/verify", json={"token": token}).status_code == 204
+    problem(one.http.post("/v1/accounts/verify", json={"token": token}), 410, "link-expired")
+    problem(one.http.get("/v1/me"), 401, "unauthenticated")
+
+    signed_in = one.http.post("/v1/sign-in", json=given)
+    assert signed_in.status_code == 200
+    cookie = signed_in.headers["set-cookie"]
+    assert "HttpOnly" in cookie and "SameSite=Strict" in cookie and "Path=/" in cookie
+    me = one.http.get("/v1/me").json()
+    assert me == signed_in.json()
+    assert me["email"] == one.email and me["quota"]["used_bytes"] == 0
+
+    problem(one.http.post("/v1/sign-out"), 403, "csrf")
+    assert one.http.post("/v1/sign-out", headers={"X-CSRF-Token": me["csrf_token"]}).status_code == 204
+    problem(one.http.get("/v1/me"), 401, "unauthenticated")
+
+
+def test_a_cookie_that_was_signed_out_is_of_no_use(api):  # noqa: F811
+    one = person(api)
+    kept = one.http.cookies["diaphane"]
+    assert one.http.post("/v1/sign-out").status_code == 204
+    other = client(api)
+    other.cookies.set("diaphane", kept)
+    problem(other.get("/v1/me"), 401, "unauthenticated")
+
+
+def test_nobody_learns_who_has_an_account(api):  # noqa: F811
+    known = Person(api).sign_up()
+    stranger = client(api)
+    again = stranger.post("/v1/accounts", json={"email": known.email.upper(), "password": PASSWORD})
+    fresh = stranger.post("/v1/accounts", json={"email": "fresh-" + known.email, "password": PASSWORD})
+    assert (again.status_code, again.content) == (fresh.status_code, fresh.content)
+    api.wait_until(lambda: any("already" in m["Subject"] for m in api.mails()), what="the mail that says so")
+    wrong = stranger.post("/v1/sign-in", json={"email": known.email, "password": "not the password"})
+    unknown = stranger.post("/v1/sign-in", json={"email": "nobody@example.org", "password": "not the password"})
+    a, b = problem(wrong, 401, "wrong-credentials"), problem(unknown, 401, "wrong-credentials")
+    assert {k: v for k, v in a.items() if k != "request_id"} == {k: v for k, v in b.items() if k != "request_id"}
+
+
+def test_signing_up_again_before_the_link_was_opened_makes_the_first_link_void(api):  # noqa: F811
+    forget_attempts(api)
+    one = Person(api)
+    one.http.post("/v1/accounts", json={"email": one.email, "password": PASSWORD})
+    first = link_token(api, one.email)
+    one.http.post("/v1/accounts", json={"email": one.email, "password": PASSWORD})
+    api.wait_until(lambda: len(api.mails(one.email)) == 2, what="the second mail")
+    problem(one.http.post("/v1/accounts/verify", json={"token": first}), 410, "link-expired")
+    assert one.http.post("/v1/accounts/verify", json={"token": link_token(api, one.email)}).status_code == 204
+    one.sign_in()
+
+
+def test_a_letter_box_is_not_filled_by_strangers(api):  # noqa: F811
+    forget_attempts(api)
+    one = Person(api)
+    for _ in range(8):
+        assert one.http.post("/v1/accounts", json={"email": one.email, "password": PASSWORD}).status_code == 202
+    api.wait_until(lambda: api.psql("SELECT count(*) FROM mail_queue") == [(0,)], what="the queue's end")
+    assert 1 <= len(api.mails(one.email)) <= 4
+
+
+def test_passwords_are_refused_for_being_short_or_the_address_alone(api):  # noqa: F811
+    http = client(api)
+    forget_attempts(api)
+    for password in ("short", "x" * 201, "Somebody@example.org"):
+        document = problem(http.post("/v1/accounts", json={"email": "somebody@example.org", "password": password}),
+                           422, "invalid")
+        assert document["errors"][0]["field"] == "password"
+    for address in ("nobody", "a@b@c", "a b@example.org", "<x@example.org>"):
+        document = problem(http.post("/v1/accounts", json={"email": address, "password": PASSWORD}), 422, "invalid")
+        assert document["errors"][0]["field"] == "email"
+
+
+def test_wrong_passwords_are_counted_and_the_right_one_waits_too(api):  # noqa: F811
+    one = Person(api).sign_up()
+    forget_attempts(api)
+    for _ in range(10):
+        problem(one.http.post("/v1/sign-in", json={"email": one.email, "password": "guessing it"}),
+                401, "wrong-credentials")
+    for password in ("guessing it", PASSWORD):
+        answer = one.http.post("/v1/sign-in", json={"email": one.email, "password": password})
+        problem(answer, 429, "too-many-attempts")
+        assert 1 <= int(answer.headers["retry-after"]) <= 15 * 60
+    # Another account is not held up by it, and time heals.
+    Person(api).sign_up().sign_in()
+    api.psql("UPDATE attempts SET happened_at = happened_at - interval '16 minutes'")
+    one.sign_in()
+
+
+def test_forged_and_expired_cookies_are_nobody(api):  # noqa: F811
+    one = person(api)
+    for forged in ("0" * 64, "nonsense", one.http.cookies["diaphane"][:-1] + "x", ""):
+        other = client(api)
+        other.cookies.set("diaphane", forged)
+        problem(other.get("/v1/me"), 401, "unauthenticated")
+    api.psql("UPDATE web_sessions SET expires_at = now() - interval '1 second' WHERE user_id = %s", one.id)
+    problem(one.http.get("/v1/me"), 401, "unauthenticated")
+
+
+def test_use_keeps_a_browser_signed_in_but_not_for_ever(api):  # noqa: F811
+    one = person(api)
+    me = one.id
+    api.psql("UPDATE web_sessions SET expires_at = now() + interval '1 day' WHERE user_id = %s", me)
+    answer = one.http.get("/v1/me")
+    assert "Max-Age=1209600" in answer.headers["set-cookie"]
+    assert "set-cookie" not in one.http.get("/v1/me").headers
+    api.psql("""UPDATE web_sessions SET created_at = now() - interval '89 days', expires_at = now() + interval '1 hour'
+                WHERE user_id = %s""", me)
+    one.http.get("/v1/me")
+    [(left,)] = api.psql("SELECT extract(epoch FROM expires_at - now())::float FROM web_sessions WHERE user_id = %s", me)
+    assert left < 86400 + 60
+
+
+def test_other_pages_cannot_act_for_the_person(api):  # noqa: F811
+    one = person(api)
+    for origin in ("https://evil.example", "null", api.url + ".evil.example"):
+        problem(one.announce(1000, Origin=origin), 403, "origin")
+        problem(one.http.post("/v1/sign-in", json={"email": one.email, "password": PASSWORD},
+                              headers={"Origin": origin}), 403, "origin")
+    assert one.announce(1000, Origin=api.url).status_code == 201
+    without = client(api)
+    without.cookies.set("diaphane", one.http.cookies["diaphane"])
+    for csrf in ({}, {"X-CSRF-Token": "0" * 64}):
+        problem(without.post("/v1/data-sets", json={"bytes": 5}, headers=csrf), 403, "csrf")
+
+
+def test_no_secret_is_in_the_database_or_the_logs(api):  # noqa: F811
+    one = person(api)
+    token = one.http.cookies["diaphane"]
+    assert api.psql("SELECT 1 FROM web_sessions WHERE token_hash = %s", token) == []
+    assert all(h.startswith("$argon2id$") for (h,) in api.psql("SELECT password_hash FROM users"))
+    time.sleep(0.1)
+    log = api.log("api") + api.log("edge") + api.log("postgres")
+    for secret in (token, PASSWORD, one.email, one.csrf):
+        assert secret not in log
