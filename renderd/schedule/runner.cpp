@@ -130,7 +130,7 @@ void Runner::run() {
     adopt();
     if (step()) continue;
     std::unique_lock lock(mutex_);
-    changed_.wait_until(lock, next_rest(), [&] { return wakes_ != seen; });
+    changed_.wait_for(lock, next_rest(), [&] { return wakes_ != seen; });
   }
   adopt();
   for (StillJob& job : stills_) {
@@ -151,17 +151,17 @@ void Runner::adopt() {
   std::erase_if(known_, gone);
 }
 
-// The next moment at which something happens by itself: a moving session comes to rest.
-Runner::Time Runner::next_rest() const {
+// How long until something happens by itself: a moving session comes to rest.
+std::chrono::nanoseconds Runner::next_rest() const {
   const Time now = clock_.now();
-  Time next = now + std::chrono::seconds(1);
+  std::chrono::nanoseconds wait = std::chrono::seconds(1);
   for (const auto& track : tracks_) {
     if (!track->moving || !track->wanted.visible) continue;
-    const Time rest = track->wanted.last_input +
-                      std::chrono::duration_cast<Time::duration>(Seconds(kRestSeconds));
-    next = std::min(next, std::max(rest, now) + std::chrono::milliseconds(1));
+    const Seconds rest = Seconds(kRestSeconds) - (now - track->wanted.last_input);
+    wait = std::min(wait, std::chrono::duration_cast<std::chrono::nanoseconds>(
+                              std::max(rest, Seconds(0)) + std::chrono::milliseconds(1)));
   }
-  return next;
+  return wait;
 }
 
 bool Runner::step() {

@@ -75,7 +75,7 @@ class Runner {
   bool still_quantum();
   SessionView view_of(const Track& track, Time now) const;
   bool converged(const Track& track) const;
-  Time next_rest() const;
+  std::chrono::nanoseconds next_rest() const;
   void drop(Track& track, const Error& why);
 
   const std::unique_ptr<Policy> policy_;

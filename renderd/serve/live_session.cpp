@@ -65,6 +65,9 @@ void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volum
     return failed(!volume ? volume.error() : !renderer ? renderer.error() : encoder.error());
   }
   std::vector<v1::Preset> presets = presets_for((*volume)->header());
+  if (presets.empty()) {
+    return failed({ErrorCode::kUnsupported, "There is no way to show this kind of volume.", {}});
+  }
 
   const std::lock_guard lock(mutex_);
   if (ended_) return;
@@ -72,7 +75,7 @@ void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volum
   presets_ = std::move(presets);
   // A scene that an older program wrote may be refused by this one: better another look than none.
   if (state_.wanted.scene && !check_scene(*state_.wanted.scene)) state_.wanted.scene.reset();
-  if (!state_.wanted.scene && !presets_.empty()) {
+  if (!state_.wanted.scene) {
     state_.wanted.scene = std::make_shared<const v1::Scene>(presets_.front().scene());
   }
   lane_ = std::make_shared<EncodeLane>(parts_.encoders, std::move(*encoder), weak_from_this());

@@ -1,1 +1,346 @@
+#include "renderd/serve/session_host.h"
+
 #include <gtest/gtest.h>
+
+#include <limits>
+#include <thread>
+
+#include "renderd/serve/test_worker.h"
+
+namespace diaphane::render {
+namespace {
+
+using namespace std::chrono_literals;
+using Kind = v1::ServerMessage;
+
+struct Link final : ClientLink {
+  Inbox inbox;
+  void send(std::string message) override { inbox.put(message); }
+  void finish(const Error& why) override { inbox.end(why); }
+};
+
+// A viewer that acknowledges what it gets, when told to.
+struct Viewer {
+  std::shared_ptr<Link> link = std::make_shared<Link>();
+  std::optional<Attachment> attachment;
+
+  void say(const v1::ClientMessage& message) { attachment->receive(message.SerializeAsString()); }
+  // Acknowledges frames until one passes.
+  std::optional<v1::Frame> follow(const std::function<bool(const v1::Frame&)>& until) {
+    for (;;) {
+      const auto message = link->inbox.next_of(Kind::kFrame);
+      if (!message) return std::nullopt;
+      say(ack_message(message->frame().seq()));
+      if (until(message->frame())) return message->frame();
+    }
+  }
+};
+
+struct HostTest : testing::Test {
+  HostTest() {
+    device->seconds_per_megapixel = 0.25;  // 1 ms for a sample of 64 x 64
+    options.volume_dir = store.path;
+    options.host.slots = 3;
+    options.runner.target_error = 0.05;  // the fake's error there: 100 samples
+    restart();
+  }
+  void restart() {
+    worker.reset();
+    worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
+                                            clock);
+  }
+
+  Viewer attach(const std::string& session, std::uint64_t placement = 1, bool greet = true) {
+    Viewer viewer;
+    v1::Open open;
+    open.set_session_id(session);
+    open.set_volume_id(volume);
+    open.set_placement(placement);
+    auto opened = worker->host().open(open, viewer.link);
+    EXPECT_TRUE(opened) << opened.error().message;
+    if (opened) viewer.attachment = std::move(*opened);
+    if (greet) viewer.say(hello_message());
+    return viewer;
+  }
+  Result<Attachment> try_open(const std::string& session, std::uint64_t placement = 1) {
+    v1::Open open;
+    open.set_session_id(session);
+    open.set_volume_id(volume);
+    open.set_placement(placement);
+    return worker->host().open(open, std::make_shared<Link>());
+  }
+
+  TestStore store;
+  std::string volume = store.add_ball();
+  std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
+  prometheus::Registry registry;
+  Metrics metrics{registry};
+  ManualClock manual;
+  SystemClock system;
+  const Clock& clock = system;
+  RenderWorker::Options options;
+  std::unique_ptr<RenderWorker> worker;
+};
+
+TEST_F(HostTest, AViewerIsGreetedAndSeesItsPictureConverge) {
+  Viewer one = attach(new_id());
+  const auto config = one.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(config);
+  EXPECT_EQ(config->config().engine(), "fake");
+  EXPECT_EQ(config->config().volume().size(0), 24U);
+  EXPECT_EQ(config->config().presets_size(), 4);
+  EXPECT_TRUE(config->config().has_scene());
+  double error = std::numeric_limits<double>::infinity();
+  std::uint64_t seq = 0;
+  const auto last = one.follow([&](const v1::Frame& frame) {
+    EXPECT_EQ(frame.seq(), ++seq);
+    EXPECT_LE(frame.error(),
+              frame.iteration() == 1 ? std::numeric_limits<double>::infinity() : error);
+    error = frame.error();
+    return frame.error() <= 0.05;
+  });
+  ASSERT_TRUE(last);
+  const auto state = one.link->inbox.next_of(Kind::kState);
+  ASSERT_TRUE(state);
+  EXPECT_TRUE(state->state().converged());
+  EXPECT_EQ(state->state().epoch(), last->epoch());
+}
+
+TEST_F(HostTest, WithoutAcknowledgementsTwoFramesAreSentAndNoMore) {
+  Viewer one = attach(new_id());
+  ASSERT_TRUE(one.link->inbox.next_of(Kind::kFrame));
+  ASSERT_TRUE(one.link->inbox.next_of(Kind::kFrame));
+  EXPECT_FALSE(one.link->inbox.next_of(Kind::kFrame, 300ms));
+  one.say(ack_message(2));
+  const auto third = one.link->inbox.next_of(Kind::kFrame);
+  ASSERT_TRUE(third);
+  EXPECT_GT(third->frame().iteration(), 2U) << "the latest, not what was waiting longest";
+}
+
+TEST_F(HostTest, AViewerThatStopsReadingSlowsNobody) {
+  Viewer stuck = attach(new_id());
+  ASSERT_TRUE(stuck.link->inbox.next_of(Kind::kFrame));
+  Viewer one = attach(new_id());
+  const auto config = one.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(config);
+  const auto start = std::chrono::steady_clock::now();
+  for (std::uint64_t input = 1; input <= 20; ++input) {
+    one.say(scene_message(input, turned(config->config().scene(), double(input))));
+    stuck.say(scene_message(input, turned(config->config().scene(), double(input))));
+    ASSERT_TRUE(one.follow([&](const v1::Frame& frame) { return frame.input_seq() >= input; }));
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 3s);
+  EXPECT_LE(stuck.link->inbox.count(Kind::kFrame), 2U);
+}
+
+TEST_F(HostTest, AVolumeIsLoadedOnceForAllWhoLookAtIt) {
+  Viewer one = attach(new_id());
+  Viewer two = attach(new_id());
+  ASSERT_TRUE(one.link->inbox.next_of(Kind::kFrame));
+  ASSERT_TRUE(two.link->inbox.next_of(Kind::kFrame));
+  EXPECT_EQ(device->volumes, 1);
+  EXPECT_EQ(worker->volumes().loaded(), std::vector<std::string>{volume});
+}
+
+TEST_F(HostTest, ASceneThatIsNotFiniteIsRefusedAndThePictureStays) {
+  Viewer one = attach(new_id());
+  const auto config = one.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(config);
+  const auto shown = one.follow([](const v1::Frame&) { return true; });
+  const int scenes = device->scenes;
+  v1::Scene wrong = config->config().scene();
+  wrong.mutable_transfer_function()->set_extinction_per_mm(
+      std::numeric_limits<double>::quiet_NaN());
+  one.say(scene_message(9, wrong));
+  const auto problem = one.link->inbox.next_of(Kind::kProblem);
+  ASSERT_TRUE(problem);
+  EXPECT_FALSE(problem->problem().fatal());
+  EXPECT_EQ(problem->problem().input_seq(), 9U);
+  EXPECT_EQ(problem->problem().field(), "transferFunction.extinctionPerMm");
+  const auto after = one.follow([](const v1::Frame& frame) { return frame.iteration() > 16; });
+  ASSERT_TRUE(after);
+  EXPECT_EQ(after->input_seq(), shown->input_seq());
+  EXPECT_LE(device->scenes, scenes + 1) << "at most the step from moving to rest";
+}
+
+TEST_F(HostTest, WhatIsNoMessageEndsTheConnectionButNotTheSession) {
+  const std::string id = new_id();
+  Viewer one = attach(id);
+  ASSERT_TRUE(one.link->inbox.next_of(Kind::kFrame));
+  one.attachment->receive("\xff\xff\xff garbage");
+  const auto problem = one.link->inbox.next_of(Kind::kProblem);
+  ASSERT_TRUE(problem);
+  EXPECT_TRUE(problem->problem().fatal());
+  EXPECT_EQ(one.link->inbox.ended()->code, ErrorCode::kInvalid);
+  EXPECT_EQ(worker->host().used(), 1U);
+}
+
+TEST_F(HostTest, ASecondConnectionTakesOverFilmAndScene) {
+  const std::string id = new_id();
+  Viewer one = attach(id);
+  const auto config = one.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(config);
+  one.say(scene_message(5, turned(config->config().scene(), 3)));
+  const auto converged = one.follow(
+      [](const v1::Frame& frame) { return frame.input_seq() == 5 && frame.error() <= 0.05; });
+  ASSERT_TRUE(converged);
+  const std::uint64_t samples = device->samples;
+
+  Viewer two = attach(id, 2);
+  EXPECT_EQ(one.link->inbox.ended()->code, ErrorCode::kConflict);
+  const auto again = two.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->config().input_seq(), 5U);
+  EXPECT_EQ(again->config().scene().camera().eye().x(),
+            config->config().scene().camera().eye().x() + 3);
+  const auto frame = two.link->inbox.next_of(Kind::kFrame);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->frame().seq(), 1U);
+  EXPECT_EQ(frame->frame().iteration(), converged->iteration());
+  EXPECT_EQ(device->samples, samples) << "nothing had to be rendered again";
+  // The old connection's last words count no more.
+  one.say(scene_message(6, config->config().scene()));
+  one.attachment->closed();
+  two.say(ack_message(1));
+  EXPECT_EQ(worker->host().used(), 1U);
+  EXPECT_FALSE(two.link->inbox.ended(50ms));
+}
+
+TEST_F(HostTest, AnOlderPlacementIsRefused) {
+  const std::string id = new_id();
+  Viewer one = attach(id, 5);
+  EXPECT_EQ(try_open(id, 4).error().code, ErrorCode::kConflict);
+  EXPECT_FALSE(one.link->inbox.ended(50ms));
+  EXPECT_TRUE(try_open(id, 5));
+}
+
+TEST_F(HostTest, OverItsSlotsASessionIsRefusedUnlessOneIsAbandoned) {
+  Viewer one = attach(new_id());
+  Viewer two = attach(new_id());
+  Viewer three = attach(new_id());
+  const auto refused = try_open(new_id());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kTooMany);
+  EXPECT_FALSE(three.link->inbox.ended(20ms));
+  two.attachment->closed();
+  EXPECT_TRUE(try_open(new_id()));
+  EXPECT_EQ(worker->host().used(), 3U);
+}
+
+TEST_F(HostTest, IdsThatAreNoneNeverReachThePath) {
+  v1::Open open;
+  open.set_session_id(new_id());
+  for (const char* id : {"", "..", "../../etc", "A", "/etc/passwd"}) {
+    open.set_volume_id(id);
+    EXPECT_EQ(worker->host().open(open, std::make_shared<Link>()).error().code,
+              ErrorCode::kInvalid);
+  }
+}
+
+TEST_F(HostTest, AVolumeThatIsNotThereEndsTheSessionWithAReason) {
+  volume = new_id();
+  Viewer one = attach(new_id());
+  const auto problem = one.link->inbox.next_of(Kind::kProblem);
+  ASSERT_TRUE(problem);
+  EXPECT_TRUE(problem->problem().fatal());
+  EXPECT_EQ(problem->problem().code(), "not_found");
+  EXPECT_EQ(one.link->inbox.ended()->code, ErrorCode::kNotFound);
+  for (int i = 0; i < 200 && worker->host().used() > 0; ++i) std::this_thread::sleep_for(5ms);
+  EXPECT_EQ(worker->host().used(), 0U);
+}
+
+TEST_F(HostTest, TheSceneIsHandedOverForRedisOncePerChange) {
+  const std::string id = new_id();
+  Viewer one = attach(id, 7);
+  const auto config = one.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(config);
+  worker->host().take_unsaved();
+  EXPECT_TRUE(worker->host().take_unsaved().empty());
+  one.say(scene_message(3, turned(config->config().scene(), 1)));
+  auto saved = worker->host().take_unsaved();
+  ASSERT_EQ(saved.size(), 1U);
+  EXPECT_EQ(saved[0].id, id);
+  EXPECT_EQ(saved[0].placement, 7U);
+  EXPECT_EQ(saved[0].input_seq, 3U);
+  EXPECT_EQ(saved[0].viewport, (Canvas{64, 64}));
+  v1::Scene scene;
+  ASSERT_TRUE(scene.ParseFromString(saved[0].scene));
+  EXPECT_TRUE(worker->host().take_unsaved().empty());
+  worker->host().mark_unsaved(id);
+  EXPECT_EQ(worker->host().take_unsaved().size(), 1U);
+}
+
+TEST_F(HostTest, APlacedAnewSessionGoesOnWithItsScene) {
+  Viewer first = attach(new_id());
+  const auto config = first.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(config);
+  v1::Open open;
+  open.set_session_id(new_id());
+  open.set_volume_id(volume);
+  open.set_placement(3);
+  *open.mutable_scene() = turned(config->config().scene(), 42);
+  open.set_input_seq(17);
+  Viewer two;
+  two.attachment.emplace(*worker->host().open(open, two.link));
+  two.say(hello_message());
+  const auto again = two.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->config().input_seq(), 17U);
+  EXPECT_EQ(again->config().scene().camera().eye().x(), open.scene().camera().eye().x());
+  const auto frame = two.follow([](const v1::Frame&) { return true; });
+  EXPECT_EQ(frame->input_seq(), 17U);
+  EXPECT_GT(frame->epoch(), std::uint64_t{3} << 24) << "above every epoch of the placement before";
+}
+
+TEST_F(HostTest, ADrainTellsEverybodyToComeBackElsewhere) {
+  Viewer one = attach(new_id());
+  ASSERT_TRUE(one.link->inbox.next_of(Kind::kFrame));
+  worker->host().refuse_new();
+  EXPECT_EQ(try_open(new_id()).error().code, ErrorCode::kUnavailable);
+  worker->host().end_all();
+  const auto problem = one.link->inbox.next_of(Kind::kProblem);
+  ASSERT_TRUE(problem);
+  EXPECT_TRUE(problem->problem().fatal());
+  EXPECT_EQ(problem->problem().code(), "unavailable");
+  EXPECT_EQ(one.link->inbox.ended()->code, ErrorCode::kUnavailable);
+}
+
+TEST_F(HostTest, ManyThousandScenesASecondAreCoalesced) {
+  Viewer one = attach(new_id());
+  Viewer other = attach(new_id());
+  const auto config = one.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(config);
+  ASSERT_TRUE(other.link->inbox.next_of(Kind::kFrame));
+  const int before = device->scenes;
+  for (std::uint64_t input = 1; input <= 10000; ++input) {
+    one.say(scene_message(input, turned(config->config().scene(), double(input))));
+  }
+  ASSERT_TRUE(one.follow([](const v1::Frame& frame) { return frame.input_seq() == 10000; }));
+  EXPECT_LT(device->scenes - before, 5000);
+  other.say(ack_message(1));
+  EXPECT_TRUE(other.link->inbox.next_of(Kind::kFrame));
+}
+
+TEST_F(HostTest, AnAbandonedSessionIsKeptHalfAMinuteWithItsFilm) {
+  worker.reset();
+  worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
+                                          manual);
+  const std::string id = new_id();
+  Viewer one = attach(id);
+  ASSERT_TRUE(one.link->inbox.next_of(Kind::kFrame));
+  one.attachment->closed();
+  manual.advance(29s);
+  worker->host().tick();
+  EXPECT_EQ(worker->host().used(), 1U);
+  Viewer back = attach(id);
+  manual.advance(5s);
+  worker->host().tick();
+  EXPECT_EQ(worker->host().used(), 1U) << "somebody is there again";
+  back.attachment->closed();
+  manual.advance(31s);
+  worker->host().tick();
+  EXPECT_EQ(worker->host().used(), 0U);
+}
+
+}  // namespace
+}  // namespace diaphane::render

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <thread>
+
+#include "renderd/engine/frame_renderer.h"
+
+namespace diaphane::render {
+
+/// An engine for tests that force what a real one does rarely: any speed, refusals, a lost device.
+struct FakeDevice {
+  std::atomic<double> seconds_per_megapixel{0.0};  ///< of one sample
+  std::atomic<bool> refuse_scenes{false};
+  std::atomic<std::uint32_t> refuse_wider_than{100000};
+  std::atomic<bool> lost{false};
+  std::atomic<std::uint64_t> samples{0};
+  std::atomic<int> scenes{0};
+  std::atomic<int> volumes{0};
+  std::atomic<double> last_eye_x{0};
+};
+
+class FakeRenderer final : public FrameRenderer {
+ public:
+  FakeRenderer(std::shared_ptr<FakeDevice> device, std::shared_ptr<const DeviceVolume> volume)
+      : device_(std::move(device)), volume_(std::move(volume)) {}
+
+  Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override {
+    if (device_->refuse_scenes || canvas.width > device_->refuse_wider_than) {
+      return fail(ErrorCode::kOutOfMemory, "No memory for a picture of this size.");
+    }
+    ++device_->scenes;
+    device_->last_eye_x = scene.camera().eye().x();
+    shade_ = static_cast<std::uint8_t>(std::llround(scene.camera().eye().x()) & 255);
+    canvas_ = canvas;
+    progress_ = {};
+    return {};
+  }
+
+  Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) override {
+    using namespace std::chrono;
+    const auto start = steady_clock::now();
+    const double cost = device_->seconds_per_megapixel * canvas_.width * canvas_.height / 1e6;
+    Batch batch;
+    for (; batch.samples < samples; ++batch.samples) {
+      const auto end = steady_clock::now() + duration<double>(cost);
+      while (steady_clock::now() < end && !stop()) std::this_thread::sleep_for(microseconds(500));
+      if (steady_clock::now() < end || (cost == 0 && stop())) break;
+    }
+    if (device_->lost) return fail(ErrorCode::kDeviceLost, "the context is broken");
+    batch.seconds = duration<double>(steady_clock::now() - start).count();
+    device_->samples += batch.samples;
+    progress_.samples += batch.samples;
+    progress_.seconds += batch.seconds;
+    return batch;
+  }
+
+  Progress progress() const override {
+    Progress progress = progress_;
+    progress.error = progress.samples < 2 ? std::numeric_limits<double>::infinity()
+                                          : 0.5 / std::sqrt(double(progress.samples));
+    return progress;
+  }
+
+  Result<void> display(PictureRgb8& out) override {
+    out.size = canvas_;
+    out.pixels.assign(std::size_t{3} * canvas_.width * canvas_.height, shade_);
+    return {};
+  }
+  Result<void> radiance(PictureRgbF&) override {
+    return fail(ErrorCode::kUnsupported, "not by the fake");
+  }
+  std::vector<std::string> features() const override { return {}; }
+
+ private:
+  std::shared_ptr<FakeDevice> device_;
+  std::shared_ptr<const DeviceVolume> volume_;
+  Canvas canvas_;
+  Progress progress_;
+  std::uint8_t shade_ = 0;
+};
+
+class FakeDeviceVolume final : public DeviceVolume {
+ public:
+  explicit FakeDeviceVolume(volume::Header header) : header_(std::move(header)) {}
+  const volume::Header& header() const override { return header_; }
+  std::uint64_t device_bytes() const override { return 2 * header_.voxel_count(); }
+
+ private:
+  volume::Header header_;
+};
+
+class FakeEngine final : public Engine {
+ public:
+  explicit FakeEngine(std::shared_ptr<FakeDevice> device) : device_(std::move(device)) {}
+  EngineInfo info() const override { return {"fake", "a test", 1 << 30}; }
+  Result<std::shared_ptr<const DeviceVolume>> load(const volume::Volume& volume) override {
+    ++device_->volumes;
+    return std::make_shared<FakeDeviceVolume>(volume.header);
+  }
+  Result<std::unique_ptr<FrameRenderer>> renderer(std::shared_ptr<const DeviceVolume> volume,
+                                                  std::uint64_t, std::uint64_t) override {
+    return std::make_unique<FakeRenderer>(device_, std::move(volume));
+  }
+
+ private:
+  std::shared_ptr<FakeDevice> device_;
+};
+
+}  // namespace diaphane::render

@@ -1,0 +1,334 @@
+#include "renderd/schedule/runner.h"
+
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "renderd/schedule/canvas.h"
+#include "renderd/schedule/fake_engine.h"
+#include "renderd/schedule/round_robin.h"
+
+namespace diaphane::render {
+namespace {
+
+using namespace std::chrono_literals;
+using std::chrono::steady_clock;
+
+class Viewer final : public RenderClient {
+ public:
+  explicit Viewer(const Clock& clock, Canvas viewport = {100, 100}) : clock_(clock) {
+    wanted_.viewport = viewport;
+    turn(1);
+  }
+
+  void turn(double angle) {
+    const std::lock_guard lock(mutex_);
+    auto scene = std::make_shared<v1::Scene>();
+    scene->mutable_camera()->mutable_eye()->set_x(angle);
+    wanted_.scene = std::move(scene);
+    wanted_.last_input = clock_.now();
+    ++wanted_.input_seq;
+    version_ = ++wanted_.version;
+  }
+  void show(bool visible) {
+    const std::lock_guard lock(mutex_);
+    wanted_.visible = visible;
+  }
+  void no_room() {
+    const std::lock_guard lock(mutex_);
+    wanted_.room = false;
+  }
+  void again() {
+    const std::lock_guard lock(mutex_);
+    wanted_.picture_again = true;
+  }
+
+  Wanted wanted() override {
+    const std::lock_guard lock(mutex_);
+    Wanted wanted = wanted_;
+    wanted_.picture_again = false;
+    return wanted;
+  }
+  std::uint64_t version() const noexcept override { return version_; }
+  void began(std::uint64_t epoch, const Wanted&) override { began_epoch = epoch; }
+  void refused(const Wanted&, const Error& why) override {
+    const std::lock_guard lock(mutex_);
+    refusals.push_back(why);
+  }
+  void rendered(const Batch& batch) override { samples += batch.samples; }
+  void picture(RenderedPicture picture) override {
+    const std::lock_guard lock(mutex_);
+    pictures_.push_back(std::move(picture));
+  }
+  void failed(const Error& why) override {
+    const std::lock_guard lock(mutex_);
+    failures.push_back(why);
+  }
+
+  std::vector<RenderedPicture> pictures() {
+    const std::lock_guard lock(mutex_);
+    return pictures_;
+  }
+  std::size_t refusal_count() {
+    const std::lock_guard lock(mutex_);
+    return refusals.size();
+  }
+  std::size_t failure_count() {
+    const std::lock_guard lock(mutex_);
+    return failures.size();
+  }
+
+  std::atomic<std::uint64_t> samples{0};
+  std::atomic<std::uint64_t> began_epoch{0};
+  std::vector<Error> refusals;
+  std::vector<Error> failures;
+
+ private:
+  const Clock& clock_;
+  std::mutex mutex_;
+  Wanted wanted_;
+  std::atomic<std::uint64_t> version_{0};
+  std::vector<RenderedPicture> pictures_;
+};
+
+bool eventually(const std::function<bool()>& holds, std::chrono::milliseconds within = 5000ms) {
+  const auto end = steady_clock::now() + within;
+  while (!holds()) {
+    if (steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(1ms);
+  }
+  return true;
+}
+
+struct RunnerTest : testing::Test {
+  std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
+  SystemClock clock;
+  std::atomic<int> lost{0};
+  Runner runner{std::make_unique<RoundRobin>(), clock,
+                Runner::Options{0.1, 4, 1 << 20, [this](const Error&) { ++lost; }}};
+
+  std::shared_ptr<Viewer> viewer(Canvas viewport = {100, 100}) {
+    auto made = std::make_shared<Viewer>(clock, viewport);
+    handle = runner.add(made, std::make_unique<FakeRenderer>(device, nullptr), 1000);
+    return made;
+  }
+  std::uint64_t handle = 0;
+};
+
+TEST_F(RunnerTest, APictureConvergesAndCostsNothingAfterwards) {
+  device->seconds_per_megapixel = 0.1;  // 1 ms a sample
+  const auto one = viewer();
+  ASSERT_TRUE(eventually([&] {
+    const auto pictures = one->pictures();
+    return !pictures.empty() && pictures.back().info.converged && !pictures.back().info.moving;
+  }));
+  const auto pictures = one->pictures();
+  EXPECT_EQ(pictures.front().info.samples, 1U);
+  EXPECT_TRUE(pictures.front().info.first_of_epoch);
+  EXPECT_LE(pictures.back().info.error, 0.1);
+  for (std::size_t i = 1; i < pictures.size(); ++i) {
+    EXPECT_GE(pictures[i].info.epoch, pictures[i - 1].info.epoch);
+    if (pictures[i].info.epoch == pictures[i - 1].info.epoch) {
+      EXPECT_GE(pictures[i].info.samples, pictures[i - 1].info.samples);
+    }
+  }
+  const std::uint64_t samples = device->samples;
+  std::this_thread::sleep_for(100ms);
+  EXPECT_EQ(device->samples, samples);
+}
+
+TEST_F(RunnerTest, AHiddenSessionCostsNothing) {
+  const auto one = viewer();
+  one->show(false);
+  runner.wake();
+  ASSERT_TRUE(eventually([&] { return runner.busy_seconds() >= 0; }));
+  std::this_thread::sleep_for(50ms);
+  const std::uint64_t samples = device->samples;
+  one->turn(2);
+  runner.wake();
+  std::this_thread::sleep_for(50ms);
+  EXPECT_EQ(device->samples, samples);
+  one->show(true);
+  runner.wake();
+  EXPECT_TRUE(eventually([&] { return device->last_eye_x == 2; }));
+}
+
+TEST_F(RunnerTest, EpochsRiseAndAPictureCarriesTheInputThatItShows) {
+  const auto one = viewer();
+  ASSERT_TRUE(eventually([&] { return !one->pictures().empty(); }));
+  for (int turn = 2; turn <= 20; ++turn) {
+    one->turn(turn);
+    runner.wake();
+    ASSERT_TRUE(eventually([&] {
+      const auto pictures = one->pictures();
+      return pictures.back().info.input_seq == static_cast<std::uint64_t>(turn);
+    }));
+  }
+  std::uint64_t epoch = 1000;
+  for (const RenderedPicture& picture : one->pictures()) {
+    EXPECT_GE(picture.info.epoch, epoch);
+    epoch = picture.info.epoch;
+    // The shade is the camera's x: every picture is of the scene that its number says, whole.
+    EXPECT_EQ(picture.picture.pixels.front(), picture.info.input_seq);
+  }
+  EXPECT_GT(epoch, 1000U);
+}
+
+TEST_F(RunnerTest, InputCutsARefinementShort) {
+  device->seconds_per_megapixel = 1;
+  const auto one = viewer({200, 200});  // 40 ms a sample at rest
+  ASSERT_TRUE(eventually([&] { return one->samples > 12; }));
+  std::this_thread::sleep_for(kRestSeconds * 1.2s);
+  device->seconds_per_megapixel = 100;  // the sample under way takes 4 s
+  std::this_thread::sleep_for(60ms);
+  device->seconds_per_megapixel = 100;
+  one->turn(7);
+  const auto asked = steady_clock::now();
+  device->seconds_per_megapixel = 1;
+  runner.wake();
+  ASSERT_TRUE(eventually([&] {
+    const auto pictures = one->pictures();
+    return !pictures.empty() && pictures.back().info.input_seq == 2;
+  }));
+  EXPECT_LT(steady_clock::now() - asked, 1s);
+}
+
+TEST_F(RunnerTest, ADragFasterThanTheDeviceShowsPicturesAllTheTime) {
+  device->seconds_per_megapixel = 2;
+  const auto one = viewer({200, 200});  // 80 ms a sample, an input each 10 ms
+  const auto end = steady_clock::now() + 1s;
+  while (steady_clock::now() < end) {
+    one->turn(steady_clock::now().time_since_epoch().count() % 1000);
+    runner.wake();
+    std::this_thread::sleep_for(10ms);
+  }
+  const auto pictures = one->pictures();
+  // 12 would fit; half of that on a machine that does other things too.
+  EXPECT_GE(pictures.size(), 6U);
+  for (const RenderedPicture& picture : pictures) EXPECT_TRUE(picture.info.moving);
+}
+
+TEST_F(RunnerTest, OnASlowDeviceAMovingPictureIsSmallerAndTheRestingOneWhole) {
+  device->seconds_per_megapixel = 8;  // 320 ms for the whole viewport
+  const auto one = viewer({200, 200});
+  ASSERT_TRUE(eventually([&] { return one->samples >= 1; }));
+  for (int i = 0; i < 30; ++i) {
+    one->turn(i);
+    runner.wake();
+    std::this_thread::sleep_for(20ms);
+  }
+  const RenderedPicture moving = one->pictures().back();
+  EXPECT_LT(moving.picture.size.width, 200U);
+  EXPECT_TRUE(moving.info.moving);
+  ASSERT_TRUE(eventually([&] { return one->pictures().back().picture.size == Canvas{200, 200}; }));
+  EXPECT_FALSE(one->pictures().back().info.moving);
+  EXPECT_GT(one->pictures().back().info.epoch, moving.info.epoch);
+}
+
+TEST_F(RunnerTest, SessionsShareTheDeviceEvenly) {
+  device->seconds_per_megapixel = 0.2;  // 2 ms a sample
+  const auto one = viewer();
+  const auto two = viewer();
+  const auto three = viewer();
+  ASSERT_TRUE(eventually([&] { return one->samples + two->samples + three->samples > 30; }));
+  const double mean = double(one->samples + two->samples + three->samples) / 3;
+  for (const auto& each : {one, two, three}) EXPECT_NEAR(double(each->samples), mean, 0.7 * mean);
+}
+
+TEST_F(RunnerTest, ARefusedSceneKeepsThePictureAndTheNextOneIsTaken) {
+  const auto one = viewer();
+  ASSERT_TRUE(eventually([&] { return !one->pictures().empty(); }));
+  device->refuse_scenes = true;
+  const std::uint64_t epoch = one->began_epoch;
+  one->turn(5);
+  runner.wake();
+  ASSERT_TRUE(eventually([&] { return one->refusal_count() == 1; }));
+  std::this_thread::sleep_for(kRestSeconds * 2s);
+  EXPECT_EQ(one->refusal_count(), 1U) << "it was tried again and again";
+  EXPECT_EQ(one->pictures().back().picture.pixels.front(), 1);
+  device->refuse_scenes = false;
+  one->turn(6);
+  runner.wake();
+  ASSERT_TRUE(eventually([&] { return one->pictures().back().picture.pixels.front() == 6; }));
+  EXPECT_GT(one->began_epoch, epoch);
+  EXPECT_EQ(one->failure_count(), 0U);
+}
+
+TEST_F(RunnerTest, AViewerThatComesBackGetsThePictureThatIsThere) {
+  const auto one = viewer();
+  ASSERT_TRUE(eventually([&] {
+    const auto pictures = one->pictures();
+    return !pictures.empty() && pictures.back().info.converged && !pictures.back().info.moving;
+  }));
+  const auto before = one->pictures();
+  one->again();
+  runner.wake();
+  ASSERT_TRUE(eventually([&] { return one->pictures().size() == before.size() + 1; }));
+  EXPECT_EQ(one->pictures().back().info.samples, before.back().info.samples);
+  EXPECT_EQ(one->pictures().back().info.epoch, before.back().info.epoch);
+}
+
+StillJob still_job(const std::shared_ptr<FakeDevice>& device, std::promise<double>& done) {
+  StillJob job;
+  job.scene = std::make_shared<const v1::Scene>();
+  job.canvas = {64, 64};
+  job.samples = 10;
+  job.renderer = std::make_unique<FakeRenderer>(device, nullptr);
+  job.cancelled = [] { return false; };
+  job.done = [&done](Result<PictureRgb8> picture, double error) {
+    done.set_value(picture && picture->size == Canvas{64, 64} ? error : -1);
+  };
+  return job;
+}
+
+TEST_F(RunnerTest, AStillIsRenderedBesideAPersonWhoDrags) {
+  device->seconds_per_megapixel = 0.1;
+  const auto one = viewer();
+  std::promise<double> done;
+  auto finished = done.get_future();
+  runner.submit(still_job(device, done));
+  while (finished.wait_for(10ms) != std::future_status::ready) {
+    one->turn(1);
+    runner.wake();
+  }
+  EXPECT_NEAR(finished.get(), 0.5 / std::sqrt(10.0), 1e-9);
+}
+
+TEST_F(RunnerTest, AStillThatNobodyWaitsForIsDropped) {
+  std::promise<double> done;
+  StillJob job = still_job(device, done);
+  std::atomic<bool> asked{false};
+  job.cancelled = [&] {
+    asked = true;
+    return true;
+  };
+  runner.submit(std::move(job));
+  EXPECT_TRUE(eventually([&] { return asked.load(); }));
+  EXPECT_EQ(done.get_future().wait_for(50ms), std::future_status::timeout);
+}
+
+TEST_F(RunnerTest, ARemovedSessionEndsInTheMiddleOfAQuantum) {
+  const auto one = viewer({200, 200});
+  ASSERT_TRUE(eventually([&] { return one->samples > 0; }));
+  device->seconds_per_megapixel = 1000;
+  one->turn(2);
+  runner.wake();
+  std::this_thread::sleep_for(30ms);
+  runner.remove(handle);
+  const auto two = viewer();
+  device->seconds_per_megapixel = 0;
+  EXPECT_TRUE(eventually([&] { return !two->pictures().empty(); }, 2s));
+  ASSERT_TRUE(eventually([&] { return one.use_count() == 1; })) << "the runner still holds it";
+}
+
+TEST_F(RunnerTest, ALostDeviceIsTold) {
+  const auto one = viewer();
+  device->lost = true;
+  one->turn(3);
+  runner.wake();
+  EXPECT_TRUE(eventually([&] { return lost == 1; }));
+  EXPECT_EQ(one->failure_count(), 1U);
+}
+
+}  // namespace
+}  // namespace diaphane::render

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <prometheus/registry.h>
+#include <stdlib.h>
+
+#include <condition_variable>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+
+#include "common/ids.h"
+#include "renderd/scene/presets.h"
+#include "renderd/schedule/fake_engine.h"
+#include "renderd/serve/render_worker.h"
+
+namespace diaphane::render {
+
+/// A volume store in a temporary directory, with a ball of "bone" in air.
+class TestStore {
+ public:
+  TestStore() {
+    char name[] = "/tmp/renderd-test-XXXXXX";
+    path = mkdtemp(name);
+  }
+  ~TestStore() { std::filesystem::remove_all(path); }
+
+  std::string add_ball(std::uint32_t side = 24) {
+    volume::Volume volume;
+    volume.header.size = {side, side, side};
+    volume.header.spacing = {4, 4, 4};
+    volume.header.modality = volume::Modality::kCt;
+    const double centre = side / 2.0;
+    for (std::uint32_t z = 0; z < side; ++z) {
+      for (std::uint32_t y = 0; y < side; ++y) {
+        for (std::uint32_t x = 0; x < side; ++x) {
+          const double r = std::hypot(x - centre, y - centre, z - centre);
+          volume.voxels.push_back(r < 0.35 * side ? 1200 : -1000);
+        }
+      }
+    }
+    volume::measure(volume);
+    const std::string id = new_id();
+    const auto written = volume::write(volume, path + "/" + id);
+    EXPECT_TRUE(written) << written.error().message;
+    return id;
+  }
+
+  std::string path;
+};
+
+/// The messages that a viewer got, and how it was ended.
+class Inbox {
+ public:
+  void put(const std::string& bytes) {
+    const std::lock_guard lock(mutex_);
+    v1::ServerMessage message;
+    EXPECT_TRUE(message.ParseFromString(bytes));
+    messages_.push_back(std::move(message));
+    arrived_.notify_all();
+  }
+  void end(const Error& why) {
+    const std::lock_guard lock(mutex_);
+    ended_ = why;
+    arrived_.notify_all();
+  }
+
+  using Test = std::function<bool(const v1::ServerMessage&)>;
+  /// The next message that passes; those before it are skipped.
+  std::optional<v1::ServerMessage> next(
+      const Test& test, std::chrono::milliseconds within = std::chrono::seconds(10)) {
+    std::unique_lock lock(mutex_);
+    std::optional<v1::ServerMessage> found;
+    arrived_.wait_for(lock, within, [&] {
+      for (; seen_ < messages_.size(); ++seen_) {
+        if (test(messages_[seen_])) {
+          found = messages_[seen_++];
+          return true;
+        }
+      }
+      return ended_.has_value();
+    });
+    return found;
+  }
+  std::optional<v1::ServerMessage> next_of(
+      v1::ServerMessage::BodyCase kind,
+      std::chrono::milliseconds within = std::chrono::seconds(10)) {
+    return next([kind](const auto& message) { return message.body_case() == kind; }, within);
+  }
+  std::optional<Error> ended(std::chrono::milliseconds within = std::chrono::seconds(10)) {
+    std::unique_lock lock(mutex_);
+    arrived_.wait_for(lock, within, [&] { return ended_.has_value(); });
+    return ended_;
+  }
+  std::vector<v1::ServerMessage> all() {
+    const std::lock_guard lock(mutex_);
+    return messages_;
+  }
+  std::size_t count(v1::ServerMessage::BodyCase kind) {
+    const std::lock_guard lock(mutex_);
+    return static_cast<std::size_t>(
+        std::count_if(messages_.begin(), messages_.end(),
+                      [&](const auto& message) { return message.body_case() == kind; }));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::vector<v1::ServerMessage> messages_;
+  std::size_t seen_ = 0;
+  std::optional<Error> ended_;
+};
+
+inline v1::ClientMessage hello_message(std::uint32_t side = 64) {
+  v1::ClientMessage message;
+  v1::Hello& hello = *message.mutable_hello();
+  hello.set_protocol(1);
+  hello.add_codecs(v1::JPEG);
+  hello.mutable_viewport()->set_width(side);
+  hello.mutable_viewport()->set_height(side);
+  return message;
+}
+
+inline v1::ClientMessage ack_message(std::uint64_t seq) {
+  v1::ClientMessage message;
+  message.mutable_ack()->set_seq(seq);
+  return message;
+}
+
+inline v1::ClientMessage scene_message(std::uint64_t seq, const v1::Scene& scene) {
+  v1::ClientMessage message;
+  message.mutable_scene()->set_input_seq(seq);
+  *message.mutable_scene()->mutable_scene() = scene;
+  return message;
+}
+
+/// The scene seen from a little further on.
+inline v1::Scene turned(v1::Scene scene, double by) {
+  scene.mutable_camera()->mutable_eye()->set_x(scene.camera().eye().x() + by);
+  return scene;
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,129 @@
+#include "renderd/session/volume_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <future>
+#include <latch>
+#include <set>
+#include <thread>
+
+namespace diaphane::render {
+namespace {
+
+class FakeVolume final : public DeviceVolume {
+ public:
+  explicit FakeVolume(std::uint64_t bytes) : bytes_(bytes) {}
+  const volume::Header& header() const override { return header_; }
+  std::uint64_t device_bytes() const override { return bytes_; }
+
+ private:
+  volume::Header header_;
+  std::uint64_t bytes_;
+};
+
+using Handle = VolumeCache::Handle;
+
+Result<Handle> wait_for(VolumeCache& cache, const std::string& id) {
+  std::promise<Result<Handle>> promise;
+  cache.get(id, [&](Result<Handle> volume) { promise.set_value(std::move(volume)); });
+  return promise.get_future().get();
+}
+
+Result<Handle> hundred_bytes(const std::string&) {
+  return Handle(std::make_shared<FakeVolume>(100));
+}
+
+TEST(VolumeCache, AVolumeIsLoadedOnceForAllWhoAskTogether) {
+  std::atomic<int> loads{0};
+  std::latch asked(1);
+  VolumeCache cache(
+      [&](const std::string& id) {
+        asked.wait();
+        ++loads;
+        return hundred_bytes(id);
+      },
+      1000, 3);
+  std::vector<std::future<Result<Handle>>> futures;
+  for (int i = 0; i < 20; ++i) {
+    auto promise = std::make_shared<std::promise<Result<Handle>>>();
+    futures.push_back(promise->get_future());
+    cache.get("a", [promise](Result<Handle> volume) { promise->set_value(std::move(volume)); });
+  }
+  asked.count_down();
+  std::set<const DeviceVolume*> different;
+  for (auto& future : futures) different.insert(future.get()->get());
+  EXPECT_EQ(loads, 1);
+  EXPECT_EQ(different.size(), 1U);
+  EXPECT_EQ(cache.bytes(), 100U);
+}
+
+TEST(VolumeCache, TheLeastRecentlyUsedThatNobodyHoldsGoesFirst) {
+  VolumeCache cache(hundred_bytes, 300);
+  wait_for(cache, "a");
+  wait_for(cache, "b");
+  wait_for(cache, "c");
+  wait_for(cache, "a");  // b is the oldest now
+  const auto held = wait_for(cache, "c");
+  wait_for(cache, "d");
+  EXPECT_EQ(cache.loaded(), (std::vector<std::string>{"a", "c", "d"}));
+  wait_for(cache, "e");  // a goes, c is held
+  wait_for(cache, "f");
+  EXPECT_EQ(cache.loaded(), (std::vector<std::string>{"c", "e", "f"}));
+  EXPECT_EQ(cache.bytes(), 300U);
+}
+
+TEST(VolumeCache, WhatDoesNotFitBesideHeldVolumesIsRefusedAndHarmsNobody) {
+  VolumeCache cache(hundred_bytes, 250);
+  auto a = wait_for(cache, "a");
+  auto b = wait_for(cache, "b");
+  const auto c = wait_for(cache, "c");
+  ASSERT_FALSE(c);
+  EXPECT_EQ(c.error().code, ErrorCode::kOutOfMemory);
+  EXPECT_EQ(cache.bytes(), 200U);
+  a->reset();
+  EXPECT_TRUE(wait_for(cache, "c"));
+  EXPECT_EQ(cache.loaded(), (std::vector<std::string>{"b", "c"}));
+}
+
+TEST(VolumeCache, AFailureIsToldToAllAndNotRemembered) {
+  std::atomic<bool> broken{true};
+  VolumeCache cache(
+      [&](const std::string& id) -> Result<Handle> {
+        if (broken) return fail(ErrorCode::kNotFound, "no such volume");
+        return hundred_bytes(id);
+      },
+      1000);
+  EXPECT_EQ(wait_for(cache, "a").error().code, ErrorCode::kNotFound);
+  broken = false;
+  EXPECT_TRUE(wait_for(cache, "a"));
+}
+
+TEST(VolumeCache, RunningOutOfMemoryIsAnError) {
+  VolumeCache cache([](const std::string&) -> Result<Handle> { throw std::bad_alloc(); }, 1000);
+  EXPECT_EQ(wait_for(cache, "a").error().code, ErrorCode::kOutOfMemory);
+}
+
+TEST(VolumeCache, WhoeverWaitsWhenItEndsIsTold) {
+  std::promise<void> release;
+  std::atomic<int> answered{0};
+  {
+    auto cache = std::make_unique<VolumeCache>(
+        [&](const std::string& id) {
+          release.get_future().wait();
+          return hundred_bytes(id);
+        },
+        1000);
+    for (const char* id : {"a", "b", "c"}) cache->get(id, [&](Result<Handle>) { ++answered; });
+    std::thread later([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      release.set_value();
+    });
+    cache.reset();
+    later.join();
+  }
+  EXPECT_EQ(answered, 3);
+}
+
+}  // namespace
+}  // namespace diaphane::render
