@@ -11,7 +11,6 @@
 namespace diaphane::render::cli {
 namespace {
 
-
 constexpr std::uint32_t kLongestSide = kLongestCanvas;
 
 constexpr const char* kAbout =

