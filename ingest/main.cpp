@@ -10,7 +10,7 @@
 #include "common/service/signals.h"
 #include "ingest/pipeline/builder.h"
 #include "ingest/pipeline/child.h"
-#include "ingest/pipeline/metrics.h"
+#include "ingest/metrics.h"
 #include "ingest/pipeline/postgres_jobs.h"
 #include "ingest/pipeline/scratch.h"
 #include "ingest/pipeline/worker.h"

@@ -56,6 +56,7 @@ struct PostgresJobs::Impl {
   std::string claimer;
   double lease_seconds;
   std::unique_ptr<pqxx::connection> connection;
+  std::string last_state;  ///< of the last SQL error: each kind is said once in a row
 
   pqxx::connection& connected() {
     if (connection) return *connection;
@@ -85,7 +86,8 @@ struct PostgresJobs::Impl {
       const std::string state = error.sqlstate();
       const bool passing = state.starts_with("57") || state.starts_with("53") ||
                            state.starts_with("08") || state.starts_with("40") || state == "55P03";
-      if (!passing) log::error("sql_error", {{"sqlstate", state}});
+      if (!passing && state != last_state) log::error("sql_error", {{"sqlstate", state}});
+      last_state = state;
     } catch (const pqxx::failure&) {
     }
     connection.reset();
@@ -111,8 +113,11 @@ struct PostgresJobs::Impl {
 };
 
 PostgresJobs::PostgresJobs(std::string url, std::string claimer, std::chrono::milliseconds lease)
-    : impl_(std::make_unique<Impl>(Impl{with_settings(url), std::move(claimer),
-                                        static_cast<double>(lease.count()) / 1000, nullptr})) {}
+    : impl_(std::make_unique<Impl>(Impl{with_settings(url),
+                                        std::move(claimer),
+                                        static_cast<double>(lease.count()) / 1000,
+                                        nullptr,
+                                        {}})) {}
 PostgresJobs::~PostgresJobs() = default;
 
 Result<std::optional<Job>> PostgresJobs::claim() {

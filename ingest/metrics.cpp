@@ -1,4 +1,4 @@
-#include "ingest/pipeline/metrics.h"
+#include "ingest/metrics.h"
 
 #include <prometheus/counter.h>
 #include <prometheus/gauge.h>

@@ -1,0 +1,155 @@
+"""ingestd over a real queue: uploads become volumes or refusals, and originals are gone in every case."""
+
+from __future__ import annotations
+
+import json
+import struct
+import subprocess
+import time
+import urllib.request
+
+import pytest
+from ingest_help import (BIRTH_DATE, CANARY, bundle, cranium, enqueue, hiding_places, nothing_left, state, tool,
+                         upload_path, volume_path, wait_end)
+
+PROGRAMS = ("postgres", "redis", "api", "ingestd")
+
+
+@pytest.fixture(scope="module")
+def ingest(stack_house):
+    running = stack_house.open(only=PROGRAMS)
+    yield running
+    stack_house.shut(running)
+
+
+@pytest.fixture(scope="module")
+def head(ingest, tmp_path_factory) -> list[bytes]:
+    return cranium(ingest, tmp_path_factory.mktemp("cranium"))
+
+
+def metrics(stack) -> str:
+    with urllib.request.urlopen(f"http://127.0.0.1:{stack.ports['ingestd-admin']}/metrics") as answer:
+        return answer.read().decode()
+
+
+def refusal(stack, data: bytes) -> tuple[str, str]:
+    data_set = enqueue(stack, data)
+    ended, code, text = wait_end(stack, data_set)
+    assert ended == "refused"
+    nothing_left(stack, data_set)
+    assert not volume_path(stack, data_set).exists()
+    assert text.endswith(".") and len(text) > 15
+    return code, text
+
+
+def test_an_uploaded_series_becomes_a_volume_and_its_original_is_gone(ingest, head):
+    data_set = enqueue(ingest, bundle(head))
+    assert wait_end(ingest, data_set) == ("ready", None, None)
+    nothing_left(ingest, data_set)
+    row = ingest.psql("SELECT modality, size_x, size_y, size_z, spacing_x, spacing_y, spacing_z, repairs, volume_bytes"
+                      " FROM data_sets WHERE id = %s", data_set)[0]
+    assert row[:4] == ("CT", 256, 256, 108)
+    assert row[4:7] == pytest.approx((0.957031, 0.957031, 1.5))
+    assert row[7:] == ([], 256 * 256 * 108 * 2)
+    voxels = (volume_path(ingest, data_set) / "voxels.i16").read_bytes()
+    header = json.loads((volume_path(ingest, data_set) / "volume.json").read_text())
+    assert len(voxels) == row[8]
+    assert header["contentHash"].startswith("blake2b:")
+    # The nose points to the front (low y): at its height the head begins nearer to y = 0 than behind it.
+    values = struct.unpack_from("<256h", voxels, 2 * 256 * (256 * 35 + 40))
+    assert max(values) > -300, "at y = 40 of slice 35 is the nose"
+    behind = struct.unpack_from("<256h", voxels, 2 * 256 * (256 * 35 + 10))
+    assert max(behind) < -300, "before the nose is air"
+    assert ingest.psql("SELECT count(*) FROM disposals WHERE id = %s", data_set) == [(0,)]
+    text = metrics(ingest)
+    assert 'diaphane_ingest_jobs_total{result="ready"} ' in text and "diaphane_ingest_build_seconds_count" in text
+
+
+def test_nothing_of_the_patient_is_kept_anywhere(ingest, head):
+    data_set = enqueue(ingest, bundle(head))
+    cut = enqueue(ingest, bundle(head[:3]))
+    assert wait_end(ingest, data_set)[0] == "ready"
+    assert wait_end(ingest, cut)[0] == "refused"
+    assert any(CANARY.encode() in file for file in head), "the search would find nothing anyway"
+    dump = subprocess.run(["/usr/lib/postgresql/15/bin/pg_dump", "--inserts", ingest.dsn], capture_output=True, check=True)
+    assert len(dump.stdout) > 5000
+    (ingest.data_dir / "scratch-dump").mkdir(exist_ok=True)
+    (ingest.data_dir / "scratch-dump" / "dump.sql").write_bytes(dump.stdout)
+    for secret in (CANARY, BIRTH_DATE, "Mustermann"):
+        assert hiding_places(ingest.data_dir, secret) == []
+
+
+def test_the_search_for_the_patient_finds_every_form(tmp_path):
+    import base64
+    for number, form in enumerate([CANARY.encode(), CANARY.encode("utf-16-le"), CANARY.encode("utf-16-be"),
+                                   CANARY.encode().hex().encode(), base64.b64encode(b"x" + CANARY.encode() + b"yz"),
+                                   base64.b64encode(b"xy" + CANARY.encode()), base64.b64encode(CANARY.encode())]):
+        place = tmp_path / str(number)
+        place.mkdir()
+        (place / "file").write_bytes(b"before" + form + b"behind")
+        assert hiding_places(place, CANARY), number
+
+
+def test_bad_uploads_are_refused_in_words(ingest, head):
+    assert refusal(ingest, bundle([]))[0] == "empty"
+    assert refusal(ingest, bundle([b"no picture at all " * 50] * 20))[0] == "not_dicom"
+    assert refusal(ingest, bundle(head[:3]))[0] == "too_few_slices"
+    assert refusal(ingest, bundle([file for n, file in enumerate(head) if n != 50]))[0] == "missing_slices"
+    code, text = refusal(ingest, bundle([file if n != 50 else file[:5000] for n, file in enumerate(head)]))
+    assert code == "missing_slices" and "damaged" in text
+    assert refusal(ingest, b"this is no tar " * 1000)[0] == "damaged"
+    assert refusal(ingest, bundle(head)[:200000])[0] == "damaged"
+
+
+def test_a_tiny_file_that_claims_an_enormous_picture_is_refused(ingest):
+    def element(group, number, kind, value):
+        return struct.pack("<HH2sH", group, number, kind, len(value)) + value
+    claim = (b"\0" * 128 + b"DICM" + element(2, 0x10, b"UI", b"1.2.840.10008.1.2.1\0")
+             + element(8, 0x16, b"UI", b"1.2.840.10008.5.1.4.1.1.2\0")
+             + element(0x28, 2, b"US", b"\1\0") + element(0x28, 4, b"CS", b"MONOCHROME2 ")
+             + element(0x28, 0x10, b"US", b"\xff\xff") + element(0x28, 0x11, b"US", b"\xff\xff")
+             + element(0x28, 0x100, b"US", b"\x10\0") + element(0x28, 0x101, b"US", b"\x10\0")
+             + struct.pack("<HH2sHI", 0x7FE0, 0x10, b"OW", 0, 2) + b"\0\0")
+    assert len(claim) < 300
+    before = time.monotonic()
+    assert refusal(ingest, bundle([claim] * 20))[0] == "too_large"
+    assert time.monotonic() - before < 10
+
+
+def test_an_upload_whose_file_is_gone_is_refused(ingest):
+    data_set = enqueue(ingest, bundle([]))
+    upload_path(ingest, data_set).unlink(missing_ok=True)
+    assert wait_end(ingest, data_set)[1] in ("upload_gone", "empty")
+
+
+def test_a_bad_upload_does_not_touch_its_neighbours(ingest, head):
+    sets = [enqueue(ingest, data) for data in (bundle(head), b"\xff" * 5000, bundle(head))]
+    assert [wait_end(ingest, s)[0] for s in sets] == ["ready", "refused", "ready"]
+
+
+def test_a_data_set_deleted_while_it_is_built_leaves_nothing(ingest, head):
+    data_set = enqueue(ingest, bundle(head))
+    ingest.wait_until(lambda: state(ingest, data_set)[0] in ("building", "ready"))
+    ingest.psql("DELETE FROM data_sets WHERE id = %s", data_set)
+    ingest.psql("INSERT INTO disposals (kind, id) VALUES ('upload', %s), ('volume', %s)"
+                " ON CONFLICT DO NOTHING", data_set, data_set)
+    ingest.wait_until(lambda: not volume_path(ingest, data_set).exists() and not upload_path(ingest, data_set).exists())
+    nothing_left(ingest, data_set)
+
+
+def test_ingest_goes_on_after_postgres_was_away(ingest, head):
+    ingest.stop("postgres")
+    time.sleep(1.5)
+    ingest.start("postgres")
+    ingest.wait_ready("postgres")
+    data_set = enqueue(ingest, bundle(head))
+    assert wait_end(ingest, data_set)[0] == "ready"
+    assert ingest.log("ingestd").count("postgres_away") == 1
+
+
+def test_bad_settings_are_said_all_at_once(ingest):
+    done = subprocess.run([tool(ingest, "diaphane-ingestd"), "--admin-port", "0", "--upload-dir", "/nowhere"],
+                          capture_output=True, text=True)
+    assert done.returncode == 78
+    for name in ("postgres", "upload-dir", "volume-dir", "scratch-dir", "admin-port"):
+        assert f"--{name}" in done.stderr
