@@ -1,0 +1,156 @@
+import type { DataSet, Me, PresetName, ProblemBody, Stream } from "./types";
+
+/** A refusal of the server (RFC 9457), or, with `status` 0, no answer at all. */
+export class ApiProblem extends Error {
+  constructor(
+    readonly status: number,
+    /** The end of the problem's `type`, "over-quota"; "offline" without an answer. */
+    readonly kind: string,
+    /** A sentence for the person, or empty. */
+    readonly detail: string,
+    readonly errors: readonly { readonly field: string; readonly message: string }[] = [],
+    readonly retry_after_ms = 0,
+  ) {
+    super(`${kind} (${status})`);
+  }
+}
+
+const prefix = "urn:diaphane:problem:";
+
+export async function problem_of(response: Response): Promise<ApiProblem> {
+  let body: Partial<ProblemBody> = {};
+  try {
+    body = (await response.json()) as Partial<ProblemBody>;
+  } catch {
+    // Not ours: of a proxy on the way.
+  }
+  const type = typeof body.type === "string" && body.type.startsWith(prefix) ? body.type.slice(prefix.length) : "internal";
+  const seconds = Number(response.headers.get("Retry-After") ?? "0");
+  return new ApiProblem(
+    response.status,
+    type,
+    body.detail ?? "",
+    body.errors ?? [],
+    Number.isFinite(seconds) ? seconds * 1000 : 0,
+  );
+}
+
+/** 128 random bits in hexadecimal. `randomUUID` exists only in secure contexts. */
+export function random_key(): string {
+  return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+}
+
+/** The REST contract, one function a route. Every function rejects with ApiProblem. */
+export class Api {
+  private csrf_token_ = "";
+
+  /** Needed by uploads, which do not go through `fetch`. */
+  get csrf_token(): string {
+    return this.csrf_token_;
+  }
+
+  async sign_up(email: string, password: string): Promise<void> {
+    await this.send("POST", "/v1/accounts", { email, password });
+  }
+
+  async verify(token: string): Promise<void> {
+    await this.send("POST", "/v1/accounts/verify", { token });
+  }
+
+  async sign_in(email: string, password: string): Promise<Me> {
+    return this.known(await this.json<Me>("POST", "/v1/sign-in", { email, password }));
+  }
+
+  async sign_out(): Promise<void> {
+    await this.send("POST", "/v1/sign-out");
+    this.csrf_token_ = "";
+  }
+
+  /** Nothing when nobody is signed in. */
+  async me(): Promise<Me | null> {
+    try {
+      return this.known(await this.json<Me>("GET", "/v1/me"));
+    } catch (thrown) {
+      if (thrown instanceof ApiProblem && thrown.status === 401) return null;
+      throw thrown;
+    }
+  }
+
+  /** All of them: a person has few. */
+  async data_sets(signal?: AbortSignal): Promise<DataSet[]> {
+    const all: DataSet[] = [];
+    let cursor: string | null = null;
+    do {
+      const query: string = cursor === null ? "" : `?cursor=${encodeURIComponent(cursor)}`;
+      const page: { items: DataSet[]; next_cursor: string | null } = await this.json(
+        "GET", `/v1/data-sets${query}`, undefined, signal ? { signal } : {},
+      );
+      all.push(...page.items);
+      cursor = page.next_cursor;
+    } while (cursor !== null);
+    return all;
+  }
+
+  data_set(id: string): Promise<DataSet> {
+    return this.json("GET", `/v1/data-sets/${id}`);
+  }
+
+  create_data_set(title: string, bytes: number, slices: number, key: string): Promise<{ data_set: DataSet; upload_url: string }> {
+    return this.json("POST", "/v1/data-sets", { title, bytes, slices }, { headers: { "Idempotency-Key": key } });
+  }
+
+  async delete_data_set(id: string): Promise<void> {
+    await this.send("DELETE", `/v1/data-sets/${id}`);
+  }
+
+  create_session(data_set_id: string, signal?: AbortSignal): Promise<Stream> {
+    return this.json("POST", "/v1/sessions", { data_set_id }, signal ? { signal } : {});
+  }
+
+  create_ticket(session_id: string, signal?: AbortSignal): Promise<Stream> {
+    return this.json("POST", `/v1/sessions/${session_id}/tickets`, undefined, signal ? { signal } : {});
+  }
+
+  async end_session(session_id: string): Promise<void> {
+    await this.send("DELETE", `/v1/sessions/${session_id}`, undefined, { keepalive: true });
+  }
+
+  async thumbnail(data_set_id: string, preset: PresetName, signal: AbortSignal): Promise<Blob> {
+    const response = await this.send("GET", thumbnail_path(data_set_id, preset), undefined, { signal });
+    return response.blob();
+  }
+
+  private known(me: Me): Me {
+    this.csrf_token_ = me.csrf_token;
+    return me;
+  }
+
+  private async json<T>(method: string, path: string, body?: unknown, init: RequestInit = {}): Promise<T> {
+    const response = await this.send(method, path, body, init);
+    return (await response.json()) as T;
+  }
+
+  private async send(method: string, path: string, body?: unknown, init: RequestInit = {}): Promise<Response> {
+    const headers = new Headers(init.headers);
+    if (body !== undefined) headers.set("Content-Type", "application/json");
+    if (method !== "GET" && this.csrf_token_) headers.set("X-CSRF-Token", this.csrf_token_);
+    let response: Response;
+    try {
+      response = await fetch(path, {
+        ...init,
+        method,
+        headers,
+        credentials: "same-origin",
+        ...(body === undefined ? {} : { body: JSON.stringify(body) }),
+      });
+    } catch (thrown) {
+      if (init.signal?.aborted) throw thrown;
+      throw new ApiProblem(0, "offline", "");
+    }
+    if (!response.ok) throw await problem_of(response);
+    return response;
+  }
+}
+
+export const thumbnail_path = (data_set_id: string, preset: PresetName): string =>
+  `/v1/data-sets/${data_set_id}/thumbnails/${preset}`;

@@ -1,0 +1,98 @@
+import { DefaultHttpStack, DetailedError, Upload, type HttpRequest, type HttpStack } from "tus-js-client";
+
+/** The only place that knows tus-js-client. */
+
+export const part_bytes = 8 * 1024 * 1024;
+
+/** How an upload ended: done, given up by the person, or refused for good by the server with this status. */
+export type UploadEnd = { readonly kind: "done" } | { readonly kind: "refused"; readonly status: number };
+
+export interface UploadEvents {
+  progress(sent: number, total: number): void;
+  /** A cut, with the time until the next try; zero: it goes on. */
+  paused(retry_in_ms: number): void;
+  end(end: UploadEnd): void;
+}
+
+export interface RunningUpload {
+  /** Stops sending; what has arrived stays at the server. */
+  stop(): void;
+}
+
+const waits_ms = [300, 1000, 2000, 4000, 8000];
+
+/** Sends from where the server stands, part by part with a checksum each, and comes back after any cut by itself. */
+export function start_upload(bundle: Blob, url: string, csrf_token: () => string, events: UploadEvents): RunningUpload {
+  let stopped = false;
+  let failures = 0;
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const upload = new Upload(bundle, {
+    uploadUrl: url,
+    chunkSize: part_bytes,
+    retryDelays: null, // ours know of restarts of the server, too
+    storeFingerprintForResuming: false, // the library's own would keep more than a number
+    httpStack: new ChecksumStack(),
+    onBeforeRequest: (request) => request.setHeader("X-CSRF-Token", csrf_token()),
+    onProgress: (sent, total) => events.progress(sent, total),
+    onChunkComplete: () => {
+      failures = 0;
+    },
+    onSuccess: () => events.end({ kind: "done" }),
+    onError: (error) => {
+      if (stopped) return;
+      const status = error instanceof DetailedError ? (error.originalResponse?.getStatus() ?? 0) : 0;
+      if (!worth_retrying(status)) {
+        events.end({ kind: "refused", status });
+        return;
+      }
+      const wait = waits_ms[Math.min(failures++, waits_ms.length - 1)] ?? 8000;
+      events.paused(wait);
+      timer = setTimeout(go_on, wait);
+    },
+  });
+  function go_on(): void {
+    events.paused(0);
+    upload.start();
+  }
+  upload.start();
+  return {
+    stop: () => {
+      stopped = true;
+      clearTimeout(timer);
+      void upload.abort(false).catch(() => undefined);
+    },
+  };
+}
+
+/** 409 the offset differs (ask again), 423 a part is still being written, 429 too fast, 460 damaged on the way. */
+export const worth_retrying = (status: number): boolean =>
+  status === 0 || status >= 500 || [408, 409, 423, 429, 460].includes(status);
+
+/** Adds `Upload-Checksum` to each part, which the library leaves to others. */
+class ChecksumStack implements HttpStack {
+  private readonly plain_ = new DefaultHttpStack({});
+
+  createRequest(method: string, url: string): HttpRequest {
+    const request = this.plain_.createRequest(method, url);
+    if (method !== "PATCH") return request;
+    const send = request.send.bind(request);
+    request.send = async (body: unknown) => {
+      const checksum = body instanceof Blob ? await checksum_of(body) : null;
+      if (checksum !== null) request.setHeader("Upload-Checksum", checksum);
+      return send(body);
+    };
+    return request;
+  }
+
+  getName(): string {
+    return "ChecksumStack";
+  }
+}
+
+/** Nothing where the browser gives no digests: outside a secure context. */
+export async function checksum_of(part: Blob): Promise<string | null> {
+  const subtle = (crypto as Partial<Crypto>).subtle;
+  if (!subtle) return null;
+  const digest = new Uint8Array(await subtle.digest("SHA-1", await part.arrayBuffer()));
+  return `sha1 ${btoa(String.fromCharCode(...digest))}`;
+}

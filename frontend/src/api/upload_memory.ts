@@ -1,0 +1,35 @@
+/** Which upload belongs to which files, kept over a reload: a fingerprint, ids and a length; no name. */
+
+export interface RememberedUpload {
+  readonly data_set_id: string;
+  readonly upload_url: string;
+  readonly bytes: number;
+}
+
+const key = "diaphane.uploads";
+const most = 20;
+
+type Store = Pick<Storage, "getItem" | "setItem">;
+
+function all(store: Store): Record<string, RememberedUpload> {
+  try {
+    const value: unknown = JSON.parse(store.getItem(key) ?? "{}");
+    return typeof value === "object" && value !== null ? (value as Record<string, RememberedUpload>) : {};
+  } catch {
+    return {};
+  }
+}
+
+export function remembered_upload(store: Store, fingerprint: string): RememberedUpload | null {
+  return all(store)[fingerprint] ?? null;
+}
+
+export function remember_upload(store: Store, fingerprint: string, upload: RememberedUpload): void {
+  const kept = Object.entries(all(store)).filter(([print]) => print !== fingerprint).slice(1 - most);
+  store.setItem(key, JSON.stringify(Object.fromEntries([...kept, [fingerprint, upload]])));
+}
+
+export function forget_upload(store: Store, data_set_id: string): void {
+  const kept = Object.entries(all(store)).filter(([, upload]) => upload.data_set_id !== data_set_id);
+  store.setItem(key, JSON.stringify(Object.fromEntries(kept)));
+}

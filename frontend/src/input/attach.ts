@@ -1,0 +1,45 @@
+import { Gestures, wheel_zoom, type Gesture, type PointerSample } from "./gestures";
+
+/** Listens to the hands on `element` until the given signal is aborted. */
+export function attach_gestures(element: HTMLElement, act: (gesture: Gesture) => void, signal: AbortSignal): void {
+  const gestures = new Gestures();
+  const sample = (event: PointerEvent): PointerSample => {
+    const box = element.getBoundingClientRect();
+    return {
+      id: event.pointerId,
+      x: event.clientX - box.left,
+      y: event.clientY - box.top,
+      touch: event.pointerType === "touch",
+      button: event.button,
+      shift: event.shiftKey,
+      ctrl: event.ctrlKey || event.metaKey,
+    };
+  };
+  const passive = { signal, passive: true };
+
+  element.addEventListener("pointerdown", (event) => {
+    gestures.down(sample(event));
+    element.setPointerCapture(event.pointerId);
+    element.dataset.held = "";
+  }, passive);
+  element.addEventListener("pointermove", (event) => {
+    if (!gestures.active) return;
+    const area = { width: element.clientWidth, height: element.clientHeight };
+    for (const gesture of gestures.move(sample(event), area)) act(gesture);
+  }, passive);
+  const released = (event: PointerEvent) => {
+    gestures.up(event.pointerId);
+    if (!gestures.active) delete element.dataset.held;
+  };
+  element.addEventListener("pointerup", released, passive);
+  element.addEventListener("pointercancel", released, passive);
+  // These two would scroll the page and open the browser's menu.
+  element.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    act({ kind: "zoom", factor: wheel_zoom(event.deltaY, event.deltaMode, event.ctrlKey) });
+  }, { signal, passive: false });
+  element.addEventListener("contextmenu", (event) => event.preventDefault(), { signal });
+  element.addEventListener("mousedown", (event) => {
+    if (event.button === 1) event.preventDefault(); // the browser's own scrolling
+  }, { signal });
+}

@@ -1,0 +1,81 @@
+import { describe, expect, it } from "vitest";
+import { Gestures, wheel_zoom, type PointerSample } from "./gestures";
+import { command_of } from "./keys";
+
+const area = { width: 800, height: 400 };
+const at = (x: number, y: number, more: Partial<PointerSample> = {}): PointerSample => ({
+  id: 1, x, y, touch: false, button: 0, shift: false, ctrl: false, ...more,
+});
+const drag = (more: Partial<PointerSample>, to = at(140, 120)) => {
+  const gestures = new Gestures();
+  gestures.down(at(100, 100, more));
+  return gestures.move({ ...to, ...more }, area);
+};
+
+describe("the mouse", () => {
+  it("left rotates, half a turn for the height of the picture", () => {
+    expect(drag({})).toEqual([{ kind: "rotate", right: Math.PI / 10, down: Math.PI / 20 }]);
+  });
+  it("middle or Shift+left pans with the hand", () => {
+    for (const more of [{ button: 1 }, { shift: true }]) expect(drag(more)).toEqual([{ kind: "pan", right: 0.1, down: 0.05 }]);
+  });
+  it("right zooms, upwards nearer", () => {
+    const [up] = drag({ button: 2 }, at(100, 50));
+    expect(up?.kind === "zoom" && up.factor).toBeGreaterThan(1);
+  });
+  it("Ctrl+left rolls about the middle, by the shorter way", () => {
+    const gestures = new Gestures();
+    gestures.down(at(100, 201, { ctrl: true }));
+    const [roll] = gestures.move(at(100, 199, { ctrl: true }), area);
+    expect(roll?.kind).toBe("roll");
+    if (roll?.kind === "roll") expect(roll.angle).toBeCloseTo(2 / 300, 4);
+  });
+  it("keeps what it began with, and does nothing when no button is held", () => {
+    const gestures = new Gestures();
+    gestures.down(at(0, 0, { shift: true }));
+    expect(gestures.move(at(10, 0), area)[0]?.kind).toBe("pan");
+    gestures.up(1);
+    expect(gestures.move(at(20, 0), area)).toEqual([]);
+  });
+  it("wheels there and back to where it was, whatever the unit, and never in one leap", () => {
+    expect(wheel_zoom(-120, 0, false) * wheel_zoom(120, 0, false)).toBeCloseTo(1, 12);
+    expect(wheel_zoom(-3, 1, false)).toBeGreaterThan(1);
+    expect(wheel_zoom(-1e9, 0, false)).toBeLessThan(2);
+  });
+});
+
+describe("touch", () => {
+  it("one finger rotates", () => {
+    expect(drag({ touch: true })[0]?.kind).toBe("rotate");
+  });
+  it("two fingers zoom by their distance and pan with their middle", () => {
+    const gestures = new Gestures();
+    gestures.down(at(100, 200, { touch: true }));
+    gestures.down(at(300, 200, { touch: true, id: 2 }));
+    expect(gestures.move(at(500, 200, { touch: true, id: 2 }), area)).toEqual([
+      { kind: "pan", right: 0.25, down: 0 },
+      { kind: "zoom", factor: 2 },
+    ]);
+  });
+  it("a third finger stops it", () => {
+    const gestures = new Gestures();
+    for (const id of [1, 2, 3]) gestures.down(at(100 * id, 200, { touch: true, id }));
+    expect(gestures.move(at(350, 200, { touch: true, id: 3 }), area)).toEqual([]);
+  });
+});
+
+describe("the keys", () => {
+  const press = (key: string, more = {}) => command_of({ key, shift: false, ctrl: false, alt: false, meta: false, ...more });
+  it("do what the table says", () => {
+    expect(press("ArrowLeft")).toMatchObject({ gesture: { kind: "rotate", down: 0 } });
+    expect(press("ArrowUp", { shift: true })).toMatchObject({ gesture: { kind: "pan", right: 0, down: -0.03 } });
+    expect(press("ArrowRight", { ctrl: true })).toMatchObject({ gesture: { kind: "roll" } });
+    expect(press("+")).toMatchObject({ gesture: { kind: "zoom", factor: 1.12 } });
+    expect(["r", "3", "f", "S", "?"].map((key) => press(key)?.kind)).toEqual(["reset", "preset", "fullscreen", "screenshot", "help"]);
+    expect(press("3")).toEqual({ kind: "preset", index: 2 });
+  });
+  it("leave the browser its own", () => {
+    for (const [key, more] of [["r", { ctrl: true }], ["s", { meta: true }], ["ArrowLeft", { alt: true }], ["5", {}], ["Tab", {}]] as const)
+      expect(press(key, more)).toBeNull();
+  });
+});

@@ -1,0 +1,65 @@
+import type { Gesture } from "./gestures";
+
+export type KeyCommand =
+  | { readonly kind: "gesture"; readonly gesture: Gesture }
+  | { readonly kind: "reset" }
+  | { readonly kind: "preset"; readonly index: number }
+  | { readonly kind: "fullscreen" }
+  | { readonly kind: "screenshot" }
+  | { readonly kind: "help" };
+
+export interface KeyPress {
+  readonly key: string;
+  readonly shift: boolean;
+  readonly ctrl: boolean;
+  readonly alt: boolean;
+  readonly meta: boolean;
+}
+
+const step = (5 * Math.PI) / 180;
+const zoom_step = 1.12;
+
+/**
+ * Arrows rotate, with Shift they pan, with Ctrl left and right roll: every drag has a key.
+ * Nothing for keys that belong to the browser.
+ */
+export function command_of(press: KeyPress): KeyCommand | null {
+  if (press.alt || press.meta) return null;
+  const arrow = arrows[press.key];
+  if (arrow) return arrow_command(arrow, press);
+  if (press.ctrl) return null;
+  switch (press.key) {
+    case "+":
+    case "=":
+      return { kind: "gesture", gesture: { kind: "zoom", factor: zoom_step } };
+    case "-":
+    case "_":
+      return { kind: "gesture", gesture: { kind: "zoom", factor: 1 / zoom_step } };
+    case "r":
+    case "R":
+      return { kind: "reset" };
+    case "f":
+    case "F":
+      return { kind: "fullscreen" };
+    case "s":
+    case "S":
+      return { kind: "screenshot" };
+    case "?":
+      return { kind: "help" };
+    default:
+      return /^[1-4]$/.test(press.key) ? { kind: "preset", index: Number(press.key) - 1 } : null;
+  }
+}
+
+const arrows: Readonly<Record<string, readonly [number, number]>> = {
+  ArrowLeft: [-1, 0],
+  ArrowRight: [1, 0],
+  ArrowUp: [0, -1],
+  ArrowDown: [0, 1],
+};
+
+function arrow_command([right, down]: readonly [number, number], press: KeyPress): KeyCommand | null {
+  if (press.ctrl) return right === 0 ? null : { kind: "gesture", gesture: { kind: "roll", angle: right * step } };
+  if (press.shift) return { kind: "gesture", gesture: { kind: "pan", right: right * 0.03, down: down * 0.03 } };
+  return { kind: "gesture", gesture: { kind: "rotate", right: right * step, down: down * step } };
+}

@@ -1,0 +1,15 @@
+import { render } from "preact";
+import "./style/base.css";
+import "./style/controls.css";
+import "./style/pages.css";
+import "./style/viewer.css";
+import { App } from "./views/app";
+import { AppState } from "./views/state";
+import "./views/theme";
+
+const root = document.getElementById("app");
+if (root) {
+  const state = new AppState();
+  render(<App state={state} />, root);
+  void state.load();
+}

@@ -1,0 +1,42 @@
+import type { Viewport } from "../protocol/messages";
+
+/** Draws frames into a canvas of device pixels. A frame may be smaller (moving) or of an older shape (resizing). */
+export class Painter {
+  private readonly context_: CanvasRenderingContext2D;
+
+  constructor(private readonly canvas_: HTMLCanvasElement) {
+    const context = canvas_.getContext("2d", { alpha: false });
+    if (!context) throw new Error("this browser gives no canvas");
+    this.context_ = context;
+  }
+
+  /** Keeps what is shown until the first frame of the new size. */
+  resize(size: Viewport): void {
+    const { width, height } = this.canvas_;
+    if (width === size.width && height === size.height) return;
+    const shown = new OffscreenCanvas(Math.max(1, width), Math.max(1, height));
+    shown.getContext("2d")?.drawImage(this.canvas_, 0, 0);
+    this.canvas_.width = size.width;
+    this.canvas_.height = size.height;
+    this.draw(shown, width, height);
+  }
+
+  paint(picture: ImageBitmap): void {
+    this.draw(picture, picture.width, picture.height);
+  }
+
+  png(): Promise<Blob | null> {
+    return new Promise((resolve) => this.canvas_.toBlob(resolve, "image/png"));
+  }
+
+  /** The field of view is a vertical one, so equal heights show equal sizes: fitted by height, about the middle. */
+  private draw(source: CanvasImageSource, width: number, height: number): void {
+    if (width === 0 || height === 0) return;
+    const canvas = this.canvas_;
+    const shown_width = (width * canvas.height) / height;
+    this.context_.imageSmoothingEnabled = shown_width !== width;
+    this.context_.imageSmoothingQuality = "high";
+    if (shown_width < canvas.width - 1) this.context_.clearRect(0, 0, canvas.width, canvas.height);
+    this.context_.drawImage(source, (canvas.width - shown_width) / 2, 0, shown_width, canvas.height);
+  }
+}

@@ -1,0 +1,33 @@
+import type { ErrorPoint } from "./viewer_session";
+
+/** A log-log frame for error against time, in whole decades, and the way of the curve in it. */
+export interface Plot {
+  /** As `x,y x,y …` in a box of `width` by `height`. */
+  readonly line: string;
+  readonly vertical: readonly number[];
+  readonly horizontal: readonly { readonly at: number; readonly label: string }[];
+}
+
+export function plot_of(points: readonly ErrorPoint[], width: number, height: number): Plot | null {
+  const usable = points.filter(({ seconds, error }) => seconds > 0 && error > 0 && Number.isFinite(seconds + error));
+  if (usable.length < 2) return null;
+  const xs = usable.map(({ seconds }) => Math.log10(seconds));
+  const ys = usable.map(({ error }) => Math.log10(error));
+  const left = Math.min(...xs);
+  const right = Math.max(...xs, left + 1);
+  const top = Math.ceil(Math.max(...ys) - 1e-9);
+  const bottom = Math.min(Math.floor(Math.min(...ys) + 1e-9), top - 1);
+  const x_of = (x: number) => ((x - left) / (right - left)) * width;
+  const y_of = (y: number) => ((top - y) / (top - bottom)) * height;
+  const decades = (from: number, to: number) => Array.from({ length: Math.max(0, Math.floor(to) - Math.ceil(from) + 1) }, (_, i) => Math.ceil(from) + i);
+  return {
+    line: xs.map((x, i) => `${x_of(x).toFixed(1)},${y_of(ys[i] ?? bottom).toFixed(1)}`).join(" "),
+    vertical: decades(left, right).map(x_of),
+    horizontal: decades(bottom, top).map((y) => ({ at: y_of(y), label: percent_label(y) })),
+  };
+}
+
+const percent_label = (log_error: number): string => {
+  const percent = 10 ** (log_error + 2);
+  return `${percent >= 1 ? percent.toFixed(0) : percent.toFixed(-(log_error + 2))} %`;
+};

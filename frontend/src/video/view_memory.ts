@@ -1,0 +1,32 @@
+import { scene_from_json, scene_to_json, type Scene } from "../protocol/messages";
+
+/** Where a person was in a data set: kept for this tab alone, over a reload. */
+export interface RememberedView {
+  readonly session_id: string | null;
+  readonly scene: Scene | null;
+  readonly input_seq: number;
+}
+
+type Store = Pick<Storage, "getItem" | "setItem">;
+const key_of = (data_set_id: string) => `diaphane.view.${data_set_id}`;
+
+export function remembered_view(store: Store, data_set_id: string): RememberedView {
+  const nothing: RememberedView = { session_id: null, scene: null, input_seq: 0 };
+  try {
+    const value = JSON.parse(store.getItem(key_of(data_set_id)) ?? "null") as Record<string, unknown> | null;
+    if (!value) return nothing;
+    const { session_id, scene, input_seq } = value;
+    return {
+      session_id: typeof session_id === "string" ? session_id : null,
+      scene: typeof scene === "string" ? scene_from_json(scene) : null,
+      input_seq: typeof input_seq === "number" && Number.isSafeInteger(input_seq) ? input_seq : 0,
+    };
+  } catch {
+    return nothing;
+  }
+}
+
+export function remember_view(store: Store, data_set_id: string, view: RememberedView): void {
+  const scene = view.scene ? scene_to_json(view.scene) : null;
+  store.setItem(key_of(data_set_id), JSON.stringify({ ...view, scene }));
+}

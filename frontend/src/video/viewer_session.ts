@@ -1,0 +1,238 @@
+import { signal } from "@preact/signals";
+import type { Api } from "../api/client";
+import { session_door } from "../api/session_door";
+import { apply_gesture } from "../input/apply_gesture";
+import { fitted_to_aspect, type CameraPose } from "../input/camera";
+import type { Gesture } from "../input/gestures";
+import { open_browser_socket } from "../protocol/browser_socket";
+import { first_state, type ConnectionState } from "../protocol/connection";
+import {
+  camera_of,
+  same_look,
+  with_camera,
+  within_bounds,
+  type Codec,
+  type Config,
+  type Frame,
+  type Preset,
+  type Scene,
+  type Viewport,
+  type VolumeHeader,
+} from "../protocol/messages";
+import { StreamClient } from "../protocol/stream_client";
+import { FramePipeline } from "./frame_pipeline";
+import { decode_jpeg } from "./jpeg";
+import type { Painter } from "./painter";
+import { remember_view, remembered_view } from "./view_memory";
+
+/** What is known of the picture on the screen. */
+export interface PictureFacts {
+  readonly epoch: number;
+  readonly input_seq: number;
+  readonly samples: number;
+  /** Relative; infinite while unknown. */
+  readonly error: number;
+  readonly seconds: number;
+  readonly width: number;
+  readonly height: number;
+}
+
+export interface ErrorPoint {
+  readonly seconds: number;
+  readonly error: number;
+}
+
+/** The longest side asked for: what the protocol allows. */
+const longest_side = 4096;
+const remembered_every_ms = 250;
+
+/** One viewer looking at one data set: the stream, the pictures and the scene, without any view. */
+export class ViewerSession {
+  readonly connection = signal<ConnectionState>(first_state);
+  readonly picture = signal<PictureFacts | null>(null);
+  readonly curve = signal<readonly ErrorPoint[]>([]);
+  readonly converged = signal(false);
+  readonly samples_per_second = signal(0);
+  readonly device = signal("");
+  readonly volume = signal<VolumeHeader | null>(null);
+  readonly presets = signal<readonly Preset[]>([]);
+  readonly scene = signal<Scene | null>(null);
+  /** What the server said about the last input it refused. */
+  readonly problem = signal("");
+
+  private readonly client_: StreamClient;
+  private readonly pipeline_: FramePipeline<ImageBitmap>;
+  private session_id_: string | null;
+  private viewport_: Viewport;
+  private converged_epoch_ = -1;
+  private remembering_: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(
+    private readonly api_: Api,
+    readonly data_set_id: string,
+    private readonly painter_: Painter,
+    size: Viewport,
+    codecs: readonly Codec[],
+  ) {
+    const before = remembered_view(sessionStorage, data_set_id);
+    this.session_id_ = before.session_id;
+    this.viewport_ = within_bounds(size, longest_side);
+    this.painter_.resize(this.viewport_);
+    this.client_ = new StreamClient(
+      {
+        door: session_door(api_, data_set_id, before.session_id, (id) => (this.session_id_ = id)),
+        open_socket: open_browser_socket,
+        next_frame: (task) => requestAnimationFrame(task),
+        after: (ms, task) => {
+          const timer = setTimeout(task, ms);
+          return () => clearTimeout(timer);
+        },
+        chance: Math.random,
+        codecs,
+        pixel_ratio: () => devicePixelRatio,
+      },
+      {
+        connection: (state) => (this.connection.value = state),
+        config: (config) => this.configured(config),
+        frame: (frame) => this.pipeline_.receive(frame),
+        state: (state) => {
+          this.converged_epoch_ = state.converged ? Number(state.epoch) : -1;
+          this.converged.value = this.converged_epoch_ === this.picture.value?.epoch;
+        },
+        stats: (stats) => (this.samples_per_second.value = stats.samplesPerSecond),
+        problem: (problem) => (this.problem.value = problem.message),
+      },
+      this.viewport_,
+    );
+    this.pipeline_ = new FramePipeline<ImageBitmap>({
+      decode: decode_jpeg,
+      present: (picture, frame) => this.present(picture, frame),
+      ack: (frame, times, queue) => this.client_.ack(frame, times, queue),
+      now_ms: () => performance.now(),
+    });
+    if (before.scene) {
+      this.client_.remember(before.scene, before.input_seq);
+      this.scene.value = before.scene;
+    }
+  }
+
+  start(): void {
+    this.client_.start();
+  }
+
+  /** The page is left for another: the worker's slot is given back; where one was stays known. */
+  leave(): void {
+    clearTimeout(this.remembering_);
+    const id = this.session_id_;
+    this.session_id_ = null;
+    this.remember();
+    this.client_.stop();
+    if (id !== null) void this.api_.end_session(id).catch(() => undefined);
+  }
+
+  wake(): void {
+    this.client_.wake();
+  }
+
+  set_visible(visible: boolean): void {
+    this.client_.set_visible(visible);
+    if (visible) this.client_.wake();
+  }
+
+  resize(size: Viewport): void {
+    this.viewport_ = within_bounds(size, longest_side);
+    this.painter_.resize(this.viewport_);
+    this.client_.set_viewport(this.viewport_);
+  }
+
+  act(gesture: Gesture): void {
+    const scene = this.scene.value;
+    const pose = scene && camera_of(scene);
+    if (scene && pose) this.set_scene(with_camera(scene, apply_gesture(pose, gesture)));
+  }
+
+  /** Another look at the same place. */
+  apply_preset(preset: Preset): void {
+    if (!preset.scene) return;
+    const pose = this.scene.value && camera_of(this.scene.value);
+    this.set_scene(pose ? with_camera(preset.scene, pose) : preset.scene);
+  }
+
+  /** To the view that the preset began with. */
+  reset_camera(): void {
+    const scene = this.scene.value;
+    const home = this.home();
+    if (scene && home) this.set_scene(with_camera(scene, home));
+  }
+
+  active_preset(): Preset | null {
+    const scene = this.scene.value;
+    return (scene && this.presets.value.find((preset) => preset.scene && same_look(preset.scene, scene))) ?? null;
+  }
+
+  png(): Promise<Blob | null> {
+    return this.painter_.png();
+  }
+
+  /** At once: the page may be about to go. */
+  remember(): void {
+    remember_view(sessionStorage, this.data_set_id, {
+      session_id: this.session_id_,
+      scene: this.scene.value,
+      input_seq: this.client_.input_seq,
+    });
+  }
+
+  private home(): CameraPose | null {
+    const preset = this.active_preset() ?? this.presets.value[0];
+    const pose = preset?.scene && camera_of(preset.scene);
+    return pose ? fitted_to_aspect(pose, this.viewport_.width / this.viewport_.height) : null;
+  }
+
+  private set_scene(scene: Scene): void {
+    this.scene.value = scene;
+    this.problem.value = "";
+    this.client_.set_scene(scene);
+    this.remember_soon();
+  }
+
+  private configured(config: Config): void {
+    this.pipeline_.reset();
+    this.converged_epoch_ = -1;
+    this.device.value = config.device;
+    this.volume.value = config.volume ?? null;
+    this.presets.value = config.presets;
+    this.scene.value = config.scene ?? null;
+    const untouched = config.inputSeq === 0n && this.client_.input_seq === 0;
+    const narrow = this.viewport_.width < this.viewport_.height;
+    if (untouched && narrow) this.reset_camera();
+    this.remember_soon();
+  }
+
+  private present(bitmap: ImageBitmap, frame: Frame): void {
+    this.painter_.paint(bitmap);
+    const before = this.picture.value;
+    const facts: PictureFacts = {
+      epoch: Number(frame.epoch),
+      input_seq: Number(frame.inputSeq),
+      samples: Number(frame.iteration),
+      error: frame.error,
+      seconds: Number(frame.renderUs) / 1e6,
+      width: frame.width,
+      height: frame.height,
+    };
+    this.picture.value = facts;
+    const fresh = before?.epoch !== facts.epoch || before.samples > facts.samples;
+    this.converged.value = this.converged_epoch_ === facts.epoch;
+    const known = Number.isFinite(facts.error) && facts.error > 0 && facts.seconds > 0;
+    const point: readonly ErrorPoint[] = known ? [{ seconds: facts.seconds, error: facts.error }] : [];
+    this.curve.value = [...(fresh ? [] : this.curve.value), ...point].slice(-400);
+  }
+
+  private remember_soon(): void {
+    this.remembering_ ??= setTimeout(() => {
+      this.remembering_ = undefined;
+      this.remember();
+    }, remembered_every_ms);
+  }
+}

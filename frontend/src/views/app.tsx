@@ -1,0 +1,57 @@
+import { useEffect } from "preact/hooks";
+import { t } from "../texts/en";
+import { SignIn, SignUp, Verify } from "./account";
+import { Add } from "./add";
+import { navigate, route } from "./router";
+import { Scans } from "./scans";
+import { Notice, PageTitle, Shell } from "./shell";
+import { AppContext, useApp, type AppState } from "./state";
+import { Viewer } from "./viewer/viewer";
+
+export function App({ state }: { readonly state: AppState }) {
+  return (
+    <AppContext.Provider value={state}>
+      <Page />
+    </AppContext.Provider>
+  );
+}
+
+function Page() {
+  const app = useApp();
+  const at = route.value;
+  const me = app.me.value;
+
+  if (at.page === "verify") return <Shell><Verify token={at.token} /></Shell>;
+  if (app.unreachable.value)
+    return (
+      <Shell>
+        <div class="page page-narrow">
+          <PageTitle text={t.name} />
+          <Notice kind="bad">{t.problems.offline}</Notice>
+          <p><button type="button" class="button" onClick={() => void app.load()}>{t.try_again}</button></p>
+        </div>
+      </Shell>
+    );
+  if (me === undefined) return <Shell><p class="page muted" role="status">{t.loading}</p></Shell>;
+  if (at.page === "sign_up" && me === null) return <Shell><SignUp /></Shell>;
+  if (at.page === "not_found")
+    return <Shell><div class="page page-narrow"><PageTitle text={t.titles.not_found} /><p>{t.not_found}</p></div></Shell>;
+  // Wherever one wanted to go: after signing in one is there.
+  if (me === null) return <Shell><SignIn /></Shell>;
+  switch (at.page) {
+    case "add":
+      return <Shell><Add /></Shell>;
+    case "view":
+      return <Viewer key={at.data_set_id} data_set_id={at.data_set_id} />;
+    case "scans":
+      return <Shell><Scans /></Shell>;
+    default:
+      return <Elsewhere />;
+  }
+}
+
+/** Signing up or in while signed in. */
+function Elsewhere() {
+  useEffect(() => navigate("/scans", true), []);
+  return null;
+}

@@ -1,0 +1,56 @@
+import { useId, useState } from "preact/hooks";
+import { t } from "../texts/en";
+import { Icon } from "./icons";
+
+export interface FieldProps {
+  readonly label: string;
+  readonly value: string;
+  readonly onInput: (value: string) => void;
+  readonly type?: "text" | "email" | "password";
+  readonly autocomplete?: string;
+  readonly hint?: string;
+  readonly fault?: string;
+  readonly placeholder?: string;
+  readonly most?: number;
+}
+
+/** A labelled input with its hint and its fault, tied together for a screen reader. */
+export function Field(props: FieldProps) {
+  const id = useId();
+  const [shown, set_shown] = useState(false);
+  const secret = props.type === "password";
+  const type = (secret && shown ? "text" : (props.type ?? "text")) as "text"; // the types of JSX want to know which
+  const described = [props.fault ? `${id}-fault` : "", props.hint ? `${id}-hint` : ""].filter(Boolean).join(" ");
+  return (
+    <div class="field">
+      <label for={id}>{props.label}</label>
+      <div class="field-box">
+        <input
+          id={id}
+          type={type}
+          value={props.value}
+          onInput={(event) => props.onInput(event.currentTarget.value)}
+          aria-invalid={props.fault ? true : undefined}
+          {...(described ? { "aria-describedby": described } : {})}
+          {...(props.autocomplete ? { autocomplete: props.autocomplete } : {})}
+          {...(props.placeholder ? { placeholder: props.placeholder } : {})}
+          {...(props.most ? { maxLength: props.most } : {})}
+          {...(props.type === "email" ? { inputMode: "email" as const, autocapitalize: "none", spellcheck: false } : {})}
+        />
+        {secret ? (
+          <button
+            type="button"
+            class="icon-button"
+            aria-label={shown ? t.account.hide : t.account.show}
+            title={shown ? t.account.hide : t.account.show}
+            onClick={() => set_shown(!shown)}
+          >
+            <Icon name={shown ? "eye_off" : "eye"} />
+          </button>
+        ) : null}
+      </div>
+      {props.fault ? <p class="field-fault" id={`${id}-fault`}>{props.fault}</p> : null}
+      {props.hint ? <p class="field-hint" id={`${id}-hint`}>{props.hint}</p> : null}
+    </div>
+  );
+}

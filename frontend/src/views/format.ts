@@ -1,0 +1,21 @@
+/** Decimal, as discs and quotas are counted. */
+export function bytes_text(bytes: number): string {
+  const units = ["bytes", "KB", "MB", "GB", "TB"];
+  let value = bytes;
+  let unit = 0;
+  while (value >= 1000 && unit < units.length - 1) {
+    value /= 1000;
+    unit += 1;
+  }
+  return `${unit === 0 || value >= 100 ? value.toFixed(0) : value.toFixed(1)} ${units[unit] ?? ""}`;
+}
+
+/** A DICOM date (yyyymmdd) as this person writes dates; empty when it is none. */
+export function dicom_date_text(date: string): string {
+  const match = /^(\d{4})(\d{2})(\d{2})$/.exec(date.replaceAll(".", "").trim());
+  if (!match) return "";
+  const [, year, month, day] = match;
+  return new Intl.DateTimeFormat(undefined, { dateStyle: "medium", timeZone: "UTC" }).format(
+    new Date(Date.UTC(Number(year), Number(month) - 1, Number(day))),
+  );
+}

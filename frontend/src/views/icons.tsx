@@ -1,0 +1,43 @@
+/** Line icons on a grid of 24. Decoration only: what they mean is said beside them. */
+const paths = {
+  back: "M15 5l-7 7 7 7",
+  plus: "M12 5v14M5 12h14",
+  trash: "M4 7h16M10 11v6M14 11v6M6 7l1 13h10l1-13M9 7V4h6v3",
+  sun: "M12 8a4 4 0 100 8 4 4 0 000-8zM12 2v2.5M12 19.5V22M4.9 4.9l1.8 1.8M17.3 17.3l1.8 1.8M2 12h2.5M19.5 12H22M4.9 19.1l1.8-1.8M17.3 6.7l1.8-1.8",
+  moon: "M20 14.5A8.5 8.5 0 119.5 4a7 7 0 0010.5 10.5z",
+  reset: "M4 12a8 8 0 108-8H7M10 1L7 4l3 3",
+  fullscreen: "M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5",
+  camera: "M4 8h3.5L9 5.5h6L16.5 8H20v11H4zM12 10a3.5 3.5 0 100 7 3.5 3.5 0 000-7z",
+  help: "M12 3a9 9 0 100 18 9 9 0 000-18zM9.5 9.5a2.5 2.5 0 113.6 2.2c-.8.4-1.1.9-1.1 1.8M12 16.6v.3",
+  chart: "M4 4v16h16M7 8c2 6 5 8 12 9",
+  close: "M6 6l12 12M18 6L6 18",
+  folder: "M3 6.5h6.5l2 2.5H21v10.5H3zM12 12v5M9.5 14.5h5",
+  shield: "M12 3l7.5 3v5.5c0 4.5-3 8-7.5 9.5-4.5-1.5-7.5-5-7.5-9.5V6zM9 12l2.2 2.2L15.5 10",
+  alert: "M12 4l9 16H3zM12 10v4.5M12 17.3v.2",
+  check: "M5 12.5l4.5 4.5L19 7.5",
+  mail: "M3 6h18v12.5H3zM3 7l9 6.5L21 7",
+  eye: "M2.5 12S6 5.5 12 5.5 21.5 12 21.5 12 18 18.5 12 18.5 2.5 12 2.5 12zM12 9a3 3 0 100 6 3 3 0 000-6z",
+  eye_off: "M4 4l16 16M9.5 6A9.8 9.8 0 0112 5.5c6 0 9.5 6.5 9.5 6.5a17 17 0 01-2.9 3.6M6.2 7.9A16 16 0 002.5 12S6 18.5 12 18.5c1.6 0 3-.4 4.2-1M10 10a3 3 0 004 4",
+  out: "M14 4h6v16h-6M3 12h11M10 8l4 4-4 4",
+} as const;
+
+export type IconName = keyof typeof paths;
+
+export function Icon({ name }: { readonly name: IconName }) {
+  return (
+    <svg class="icon" viewBox="0 0 24 24" aria-hidden="true" focusable="false">
+      <path d={paths[name]} />
+    </svg>
+  );
+}
+
+/** Slices of a head, one behind the other, the nearest the clearest. */
+export function Mark() {
+  return (
+    <svg class="mark" viewBox="0 0 32 32" aria-hidden="true" focusable="false">
+      <ellipse cx="16" cy="9" rx="7" ry="3.4" class="mark-3" />
+      <ellipse cx="16" cy="16" rx="11" ry="5" class="mark-2" />
+      <ellipse cx="16" cy="22.5" rx="9" ry="4.2" class="mark-1" />
+    </svg>
+  );
+}

@@ -1,0 +1,95 @@
+import type { DataSet } from "../api/types";
+import type { UploadView } from "../api/uploads";
+import { t } from "../texts/en";
+import { Icon } from "./icons";
+import { Link } from "./router";
+import { Bar } from "./shell";
+import { use_thumbnail } from "./thumbnail";
+
+export const title_of = (set: DataSet): string => set.title || (set.is_sample ? t.scans.sample_title : t.scans.untitled);
+
+export interface ScanCardProps {
+  readonly set: DataSet;
+  readonly upload: UploadView | null;
+  readonly onRemove: () => void;
+}
+
+export function ScanCard({ set, upload, onRemove }: ScanCardProps) {
+  const ready = set.state === "ready";
+  const title = title_of(set);
+  return (
+    <article class={`card card-${set.state}`} data-state={set.state} data-id={set.id}>
+      <Picture set={set} />
+      <div class="card-text">
+        <h3>{ready ? <Link href={`/view/${set.id}`} class="card-link" label={t.scans.open(title)}>{title}</Link> : title}</h3>
+        <p class="chips">
+          {set.is_sample ? <span class="chip chip-accent">{t.scans.sample}</span> : null}
+          {set.is_public && !set.is_sample ? <span class="chip">{t.scans.shared}</span> : null}
+          {set.volume ? <span class="chip">{set.volume.modality}</span> : null}
+          {ready ? null : <span class={`chip chip-${set.state}`}>{t.scans.states[set.state]}</span>}
+        </p>
+        <Details set={set} upload={upload} />
+      </div>
+      {set.owned ? (
+        <button type="button" class="icon-button card-remove" aria-label={t.scans.remove(title)} title={t.scans.remove(title)} onClick={onRemove}>
+          <Icon name="trash" />
+        </button>
+      ) : null}
+    </article>
+  );
+}
+
+function Picture({ set }: { readonly set: DataSet }) {
+  const ready = set.state === "ready";
+  const url = use_thumbnail(set.id, "bone", ready);
+  const working = set.state === "queued" || set.state === "building" || set.state === "uploading" || (ready && url === null);
+  return (
+    <div class={`card-picture${working ? " card-working" : ""}`}>
+      {url !== null ? (
+        <img src={url} alt={t.scans.picture(title_of(set))} width={320} height={320} />
+      ) : ready ? (
+        <span class="visually-hidden">{t.scans.pictures_later}</span>
+      ) : set.state === "refused" || set.state === "expired" ? (
+        <Icon name="alert" />
+      ) : null}
+    </div>
+  );
+}
+
+function Details({ set, upload }: { readonly set: DataSet; readonly upload: UploadView | null }) {
+  if (set.volume) {
+    const [x, y, z] = set.volume.size.map((n, i) => n * (set.volume?.spacing_mm[i] ?? 0)) as [number, number, number];
+    return (
+      <>
+        <p class="muted">{t.add.slices(set.volume.size[2])} · {t.add.size(x, y, z)}</p>
+        {set.volume.repairs.length > 0 ? <p class="muted">{t.scans.repaired(set.volume.repairs)}</p> : null}
+      </>
+    );
+  }
+  if (set.state === "refused") return <p class="card-fault">{set.refusal?.text}</p>;
+  if (set.state === "expired") return <p class="muted">{t.scans.expired_hint}</p>;
+  if (set.state !== "uploading") return <Bar value={null} label={t.scans.states[set.state]} />;
+  return <UploadDetails set={set} upload={upload} />;
+}
+
+function UploadDetails({ set, upload }: { readonly set: DataSet; readonly upload: UploadView | null }) {
+  if (upload?.failed) return <p class="card-fault" role="alert">{t.scans.upload_failed}</p>;
+  if (upload) {
+    const part = upload.total > 0 ? upload.sent / upload.total : 0;
+    const text = upload.paused ? t.scans.paused : t.scans.uploading(Math.floor(part * 100));
+    return (
+      <>
+        <Bar value={part} label={t.scans.states.uploading} />
+        <p class="muted" role={upload.paused ? "status" : undefined}>{text}</p>
+      </>
+    );
+  }
+  const part = set.upload ? set.upload.received_bytes / set.upload.bytes : 0;
+  return (
+    <>
+      <Bar value={part} label={t.scans.states.uploading} />
+      <p class="muted">{t.scans.interrupted(Math.floor(part * 100))}. {t.scans.interrupted_hint}</p>
+      <p><Link href="/add" class="button button-small">{t.scans.go_on}</Link></p>
+    </>
+  );
+}

@@ -1,0 +1,78 @@
+import { signal } from "@preact/signals";
+import { createContext } from "preact";
+import { useContext } from "preact/hooks";
+import { Api, ApiProblem } from "../api/client";
+import type { Me } from "../api/types";
+import { Uploads } from "../api/uploads";
+import { t } from "../texts/en";
+
+/** What all pages share. */
+export class AppState {
+  readonly api = new Api();
+  readonly uploads = new Uploads(this.api);
+  /** Nothing: nobody is signed in. Undefined: not known yet. */
+  readonly me = signal<Me | null | undefined>(undefined);
+  /** The first question could not be answered. */
+  readonly unreachable = signal(false);
+
+  async load(): Promise<void> {
+    this.unreachable.value = false;
+    try {
+      this.me.value = await this.api.me();
+    } catch {
+      this.unreachable.value = true;
+    }
+  }
+
+  signed_in(me: Me): void {
+    this.me.value = me;
+  }
+
+  async sign_out(): Promise<void> {
+    this.uploads.stop_all();
+    try {
+      await this.api.sign_out();
+    } finally {
+      sessionStorage.clear();
+      this.me.value = null;
+    }
+  }
+
+  /** A sentence for what went wrong. A session that has ended leads to the sign-in. */
+  explain(thrown: unknown): string {
+    if (!(thrown instanceof ApiProblem)) return t.problems.internal;
+    if (thrown.kind === "unauthenticated") this.me.value = null;
+    return problem_text(thrown);
+  }
+}
+
+export function problem_text(problem: ApiProblem): string {
+  switch (problem.kind) {
+    case "offline":
+      return t.problems.offline;
+    case "wrong-credentials":
+      return t.problems.wrong_credentials;
+    case "unverified":
+      return t.problems.unverified;
+    case "link-expired":
+      return t.problems.link_expired;
+    case "too-many-attempts":
+    case "too-many":
+      return problem.detail || t.problems.too_many;
+    case "busy":
+    case "unavailable":
+      return t.problems.busy;
+    case "internal":
+      return t.problems.internal;
+    default:
+      return problem.errors[0]?.message ?? (problem.detail || t.problems.internal);
+  }
+}
+
+export const AppContext = createContext<AppState | null>(null);
+
+export function useApp(): AppState {
+  const app = useContext(AppContext);
+  if (!app) throw new Error("outside of the app");
+  return app;
+}

@@ -1,0 +1,37 @@
+import { useEffect, useState } from "preact/hooks";
+import { ApiProblem } from "../api/client";
+import type { PresetName } from "../api/types";
+import { useApp } from "./state";
+
+/**
+ * The address of a data set's picture under a preset; nothing while it is being made: it is asked for again.
+ * Through `fetch`, as an <img> cannot ask again when a renderer is not there yet.
+ */
+export function use_thumbnail(data_set_id: string, preset: PresetName, wanted: boolean): string | null {
+  const app = useApp();
+  const [url, set_url] = useState<string | null>(null);
+  useEffect(() => {
+    if (!wanted) return;
+    const leaving = new AbortController();
+    let made: string | null = null;
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const ask = async (tries: number): Promise<void> => {
+      try {
+        const picture = await app.api.thumbnail(data_set_id, preset, leaving.signal);
+        made = URL.createObjectURL(picture);
+        set_url(made);
+      } catch (thrown) {
+        const later = thrown instanceof ApiProblem && (thrown.status === 0 || thrown.status === 429 || thrown.status >= 500);
+        if (leaving.signal.aborted || !later || tries > 20) return;
+        timer = setTimeout(() => void ask(tries + 1), Math.max(thrown.retry_after_ms, 1500));
+      }
+    };
+    void ask(0);
+    return () => {
+      leaving.abort();
+      clearTimeout(timer);
+      if (made !== null) URL.revokeObjectURL(made);
+    };
+  }, [app, data_set_id, preset, wanted]);
+  return url;
+}

@@ -1,0 +1,27 @@
+import { t } from "../../texts/en";
+import { Dialog } from "../dialog";
+
+export function HelpDialog({ onClose }: { readonly onClose: () => void }) {
+  return (
+    <Dialog title={t.viewer.help} onClose={onClose}>
+      <table class="help">
+        <thead>
+          <tr>{t.viewer.help_heads.map((head) => <th key={head} scope="col">{head}</th>)}</tr>
+        </thead>
+        <tbody>
+          {t.viewer.help_rows.map(([what, mouse, touch, keys]) => (
+            <tr key={what}>
+              <th scope="row">{what}</th>
+              <td>{mouse}</td>
+              <td>{touch}</td>
+              <td>{keys}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      <div class="dialog-buttons">
+        <button type="button" class="button button-main" onClick={onClose}>{t.close}</button>
+      </div>
+    </Dialog>
+  );
+}

@@ -1,0 +1,76 @@
+import { useState } from "preact/hooks";
+import { t } from "../../texts/en";
+import type { ViewerSession } from "../../video/viewer_session";
+import { Icon } from "../icons";
+import { ErrorPlot } from "./error_plot";
+
+const key = "diaphane.quality";
+const small_screen = () => matchMedia("(max-width: 700px)").matches;
+
+/** Samples, error and its fall: there for who wants to know, folded away by a press. */
+export function QualityPanel({ session }: { readonly session: ViewerSession }) {
+  const [open, set_open] = useState(() => {
+    const stored = localStorage.getItem(key);
+    return stored === null ? !small_screen() : stored === "open";
+  });
+  const facts = session.picture.value;
+  if (!facts) return null;
+  const toggle = () => {
+    localStorage.setItem(key, open ? "closed" : "open");
+    set_open(!open);
+  };
+  const error = Number.isFinite(facts.error) ? t.viewer.percent(facts.error) : t.viewer.error_unknown;
+  if (!open)
+    return (
+      <button type="button" class="glass quality-chip" aria-label={`${t.viewer.quality_open}: ${error}`} aria-expanded={false} onClick={toggle}>
+        <Icon name="chart" />
+        <span>{error}</span>
+      </button>
+    );
+  return (
+    <section class="glass quality" aria-label={t.viewer.quality}>
+      <div class="quality-head">
+        <h2>{t.viewer.quality}</h2>
+        <span class={`chip${session.converged.value ? " chip-good" : ""}`}>
+          {session.converged.value ? t.viewer.finished : t.viewer.refining}
+        </span>
+        <button type="button" class="icon-button" aria-label={t.close} title={t.close} aria-expanded onClick={toggle}><Icon name="close" /></button>
+      </div>
+      <dl>
+        <Row name={t.viewer.error} help={t.viewer.error_help} value={error} mark="error" />
+        <Row name={t.viewer.samples} value={facts.samples.toLocaleString("en")} mark="samples" />
+        <Row name={t.viewer.time} value={t.viewer.seconds(facts.seconds)} mark="time" />
+      </dl>
+      <ErrorPlot points={session.curve.value} />
+      <p class="quality-device muted">
+        {session.device.value}
+        {session.samples_per_second.value > 0 && !session.converged.value ? ` · ${t.viewer.per_second(session.samples_per_second.value)}` : ""}
+      </p>
+    </section>
+  );
+}
+
+interface RowProps {
+  readonly name: string;
+  readonly value: string;
+  readonly mark: string;
+  readonly help?: string;
+}
+
+function Row({ name, value, mark, help }: RowProps) {
+  const [shown, set_shown] = useState(false);
+  return (
+    <>
+      <div class="quality-row">
+        <dt>
+          {name}
+          {help ? (
+            <button type="button" class="hint-button" aria-expanded={shown} aria-label={`${name}?`} title={help} onClick={() => set_shown(!shown)}>?</button>
+          ) : null}
+        </dt>
+        <dd data-fact={mark}>{value}</dd>
+      </div>
+      {help && shown ? <p class="quality-help">{help}</p> : null}
+    </>
+  );
+}

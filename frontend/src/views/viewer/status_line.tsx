@@ -1,0 +1,27 @@
+import { t } from "../../texts/en";
+import type { ViewerSession } from "../../video/viewer_session";
+import { Icon } from "../icons";
+import { Link } from "../router";
+
+/** Why there is no picture, or no new one: said in words, and read out. */
+export function StatusLine({ session, fault }: { readonly session: ViewerSession | null; readonly fault: string }) {
+  const connection = session?.connection.value;
+  const trouble = connection?.trouble ?? null;
+  const shown = session?.picture.value ?? null;
+  const stopped = connection?.phase === "stopped";
+  const text = [fault, trouble ? t.viewer.troubles[trouble] : "", session?.problem.value ?? ""].find((line) => line !== "") ?? "";
+  const waiting = text === "" && shown === null;
+  return (
+    <div class={`viewer-status${shown === null ? " viewer-status-middle" : ""}`} role="status" data-phase={connection?.phase ?? "idle"}>
+      {waiting ? (
+        <p class="glass pill"><span class="spinner" />{t.viewer.first}</p>
+      ) : text ? (
+        <p class={`glass pill${trouble && !stopped ? " pill-warn" : " pill-bad"}`}>
+          {trouble && !stopped ? <span class="spinner" /> : <Icon name="alert" />}
+          {text}
+          {stopped ? <Link href="/scans">{t.viewer.back}</Link> : null}
+        </p>
+      ) : null}
+    </div>
+  );
+}

@@ -1,0 +1,188 @@
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { DataSet } from "../../api/types";
+import { attach_gestures } from "../../input/attach";
+import { command_of, type KeyCommand } from "../../input/keys";
+import type { Viewport } from "../../protocol/messages";
+import { t } from "../../texts/en";
+import { probe_codecs } from "../../video/jpeg";
+import { Painter } from "../../video/painter";
+import { ViewerSession } from "../../video/viewer_session";
+import { Icon } from "../icons";
+import { Link } from "../router";
+import { title_of } from "../scan_card";
+import { useApp } from "../state";
+import { ThemeSwitch } from "../shell";
+import { HelpDialog } from "./help_dialog";
+import { OrientationCube } from "./orientation_cube";
+import { Presets } from "./presets";
+import { QualityPanel } from "./quality_panel";
+import { StatusLine } from "./status_line";
+
+export function Viewer({ data_set_id }: { readonly data_set_id: string }) {
+  const app = useApp();
+  const page = useRef<HTMLDivElement>(null);
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const [session, set_session] = useState<ViewerSession | null>(null);
+  const [set, set_set] = useState<DataSet | null>(null);
+  const [fault, set_fault] = useState("");
+  const [help, set_help] = useState(false);
+  const title = set ? title_of(set) : "";
+
+  useEffect(() => {
+    app.api.data_set(data_set_id).then(set_set, () => undefined); // the stream says what is wrong
+  }, [app, data_set_id]);
+
+  useEffect(() => {
+    document.title = `${title || t.titles.view} · ${t.name}`;
+  }, [title]);
+
+  useEffect(() => {
+    const element = canvas.current;
+    if (!element) return;
+    const leaving = new AbortController();
+    let opened: ViewerSession | null = null;
+    void probe_codecs().then((codecs) => {
+      if (leaving.signal.aborted) return;
+      if (codecs.length === 0) {
+        set_fault(t.viewer.no_codec);
+        return;
+      }
+      opened = new ViewerSession(app.api, data_set_id, new Painter(element), device_pixels(element), codecs);
+      connect_page(opened, element, leaving.signal);
+      opened.start();
+      set_session(opened);
+    });
+    return () => {
+      leaving.abort();
+      opened?.leave();
+    };
+  }, [app, data_set_id]);
+
+  const obey = (command: KeyCommand) => {
+    if (!session) return;
+    switch (command.kind) {
+      case "gesture":
+        session.act(command.gesture);
+        break;
+      case "reset":
+        session.reset_camera();
+        break;
+      case "preset": {
+        const preset = session.presets.value[command.index];
+        if (preset) session.apply_preset(preset);
+        break;
+      }
+      case "fullscreen":
+        if (page.current) void toggle_fullscreen(page.current);
+        break;
+      case "screenshot":
+        void save_picture(session);
+        break;
+      case "help":
+        set_help(true);
+        break;
+    }
+  };
+  const latest = useRef(obey);
+  latest.current = obey;
+
+  useEffect(() => {
+    const pressed = (event: KeyboardEvent) => {
+      if (event.defaultPrevented || is_typing(event.target) || document.querySelector("dialog[open]")) return;
+      const command = command_of({ key: event.key, shift: event.shiftKey, ctrl: event.ctrlKey, alt: event.altKey, meta: event.metaKey });
+      if (!command) return;
+      event.preventDefault();
+      latest.current(command);
+    };
+    addEventListener("keydown", pressed);
+    return () => removeEventListener("keydown", pressed);
+  }, []);
+
+  const tool = (name: "reset" | "fullscreen" | "screenshot" | "help", icon: "reset" | "fullscreen" | "camera" | "help") => (
+    <button type="button" class={`icon-button tool-${name}`} aria-label={t.viewer[name]} title={t.viewer[name]} onClick={() => obey({ kind: name })}>
+      <Icon name={icon} />
+    </button>
+  );
+
+  return (
+    <div class="viewer" ref={page}>
+      <main class="stage">
+        <canvas ref={canvas} tabIndex={0} role="application" aria-label={t.viewer.stage} {...facts_of(session)} />
+      </main>
+      <header class="viewer-top">
+        <div class="glass viewer-title">
+          <Link href="/scans" class="icon-button" label={t.viewer.back}><Icon name="back" /></Link>
+          <h1>{title}</h1>
+        </div>
+        <div class="glass viewer-tools">
+          {tool("reset", "reset")}
+          {tool("screenshot", "camera")}
+          {tool("fullscreen", "fullscreen")}
+          <ThemeSwitch />
+          {tool("help", "help")}
+        </div>
+      </header>
+      <StatusLine session={session} fault={fault} />
+      {session ? (
+        <>
+          <OrientationCube session={session} />
+          <Presets session={session} />
+          <QualityPanel session={session} />
+        </>
+      ) : null}
+      {help ? <HelpDialog onClose={() => set_help(false)} /> : null}
+    </div>
+  );
+}
+
+/** What picture is shown, for whoever looks at the page from outside (a test, a screen reader's user script). */
+function facts_of(session: ViewerSession | null): Record<string, string> {
+  const facts = session?.picture.value;
+  if (!facts) return {};
+  return {
+    "data-epoch": String(facts.epoch),
+    "data-input-seq": String(facts.input_seq),
+    "data-samples": String(facts.samples),
+    "data-error": String(facts.error),
+  };
+}
+
+function device_pixels(element: HTMLElement): Viewport {
+  const ratio = devicePixelRatio;
+  return { width: Math.round(element.clientWidth * ratio), height: Math.round(element.clientHeight * ratio) };
+}
+
+/** Ties a session to what happens to the page and to hands on the picture. */
+function connect_page(session: ViewerSession, element: HTMLCanvasElement, signal: AbortSignal): void {
+  attach_gestures(element, (gesture) => session.act(gesture), signal);
+  const observer = new ResizeObserver(() => session.resize(device_pixels(element)));
+  observer.observe(element);
+  signal.addEventListener("abort", () => observer.disconnect());
+  document.addEventListener("visibilitychange", () => session.set_visible(!document.hidden), { signal });
+  addEventListener("online", () => session.wake(), { signal });
+  addEventListener("pagehide", () => session.remember(), { signal });
+}
+
+const is_typing = (target: EventTarget | null): boolean =>
+  target instanceof HTMLElement && (target.isContentEditable || ["INPUT", "TEXTAREA", "SELECT"].includes(target.tagName));
+
+async function toggle_fullscreen(element: HTMLElement): Promise<void> {
+  try {
+    if (document.fullscreenElement) await document.exitFullscreen();
+    else await element.requestFullscreen();
+  } catch {
+    // Not allowed here (a phone, a frame): the page stays as it is.
+  }
+}
+
+/** The picture alone, under a name that says nothing of anybody. */
+async function save_picture(session: ViewerSession): Promise<void> {
+  const png = await session.png();
+  if (!png) return;
+  const url = URL.createObjectURL(png);
+  const link = document.createElement("a");
+  link.href = url;
+  link.download = "diaphane.png";
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}
