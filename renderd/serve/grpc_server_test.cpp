@@ -1,1 +1,277 @@
+// The whole worker over real gRPC with the real CPU engine and a small volume.
+
+#include "renderd/serve/grpc_server.h"
+
+#include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
+
+#include <thread>
+
+#include "api/proto/worker.grpc.pb.h"
+#include "renderd/serve/test_worker.h"
+
+namespace diaphane::render {
+namespace {
+
+using namespace std::chrono_literals;
+using std::chrono::steady_clock;
+using Stream = grpc::ClientReaderWriter<v1::AttachRequest, v1::AttachReply>;
+
+// One Attach as the gateway makes it; a thread reads.
+class Client {
+ public:
+  Client(v1::RenderWorker::StubInterface& stub, const v1::Open& open) {
+    stream_ = stub.Attach(&context_);
+    v1::AttachRequest request;
+    *request.mutable_open() = open;
+    stream_->Write(request);
+    reader_ = std::thread([this] {
+      v1::AttachReply reply;
+      while (stream_->Read(&reply)) inbox.put(reply.server_message());
+      status_ = stream_->Finish();
+      inbox.end({ErrorCode::kInternal, status_.error_message(), {}});
+    });
+  }
+  ~Client() {
+    context_.TryCancel();
+    reader_.join();
+  }
+  void say(const v1::ClientMessage& message) {
+    v1::AttachRequest request;
+    request.set_client_message(message.SerializeAsString());
+    stream_->Write(request);
+  }
+  void hang_up() { stream_->WritesDone(); }
+  void vanish() { context_.TryCancel(); }
+  std::optional<v1::Frame> follow(const std::function<bool(const v1::Frame&)>& until) {
+    for (;;) {
+      const auto message = inbox.next_of(v1::ServerMessage::kFrame, 30s);
+      if (!message) return std::nullopt;
+      say(ack_message(message->frame().seq()));
+      if (until(message->frame())) return message->frame();
+    }
+  }
+  grpc::StatusCode status() {
+    EXPECT_TRUE(inbox.ended());
+    return status_.error_code();
+  }
+
+  Inbox inbox;
+
+ private:
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReaderWriterInterface<v1::AttachRequest, v1::AttachReply>> stream_;
+  std::thread reader_;
+  grpc::Status status_;
+};
+
+struct GrpcTest : testing::Test {
+  GrpcTest() {
+    RenderWorker::Options options;
+    options.volume_dir = store.path;
+    options.host.slots = 2;
+    options.runner.target_error = 0.2;
+    auto engine = make_engine(EngineChoice::kCpu, 2);
+    worker = std::make_unique<RenderWorker>(options, std::move(*engine), metrics, clock);
+    server = std::move(*GrpcServer::start({}, worker->host(), worker->stills(), metrics));
+    channel = grpc::CreateChannel("127.0.0.1:" + std::to_string(server->port()),
+                                  grpc::InsecureChannelCredentials());
+    stub = v1::RenderWorker::NewStub(channel);
+  }
+  ~GrpcTest() override {
+    worker->stop();
+    server->stop(500ms);
+  }
+  v1::Open open(const std::string& session = new_id()) {
+    v1::Open open;
+    open.set_session_id(session);
+    open.set_volume_id(volume);
+    open.set_placement(1);
+    return open;
+  }
+
+  TestStore store;
+  std::string volume = store.add_ball();
+  prometheus::Registry registry;
+  Metrics metrics{registry};
+  SystemClock clock;
+  std::unique_ptr<RenderWorker> worker;
+  std::unique_ptr<GrpcServer> server;
+  std::shared_ptr<grpc::Channel> channel;
+  std::unique_ptr<v1::RenderWorker::Stub> stub;
+};
+
+TEST_F(GrpcTest, AViewerSeesARealPictureConvergeAndFollowItsInput) {
+  Client viewer(*stub, open());
+  viewer.say(hello_message(96));
+  const auto config = viewer.inbox.next_of(v1::ServerMessage::kConfig);
+  ASSERT_TRUE(config);
+  EXPECT_EQ(config->config().engine(), "cpu");
+  const auto first = viewer.follow([](const v1::Frame& frame) { return frame.width() == 96; });
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->data().substr(0, 2), "\xff\xd8");
+  const auto good = viewer.follow([](const v1::Frame& frame) { return frame.iteration() >= 16; });
+  ASSERT_TRUE(good);
+  EXPECT_TRUE(std::isfinite(good->error()));
+  EXPECT_GT(good->render_us(), 0U);
+
+  viewer.say(scene_message(7, turned(config->config().scene(), 100)));
+  const auto moved = viewer.follow([](const v1::Frame& frame) { return frame.input_seq() == 7; });
+  ASSERT_TRUE(moved);
+  EXPECT_GT(moved->epoch(), good->epoch());
+  const auto state = viewer.inbox.next(
+      [](const v1::ServerMessage& message) { return message.state().converged(); }, 1ms);
+  if (!state) {
+    EXPECT_TRUE(viewer.follow([](const v1::Frame& frame) { return frame.error() <= 0.2; }));
+  }
+}
+
+TEST_F(GrpcTest, ASecondAttachTakesTheSessionOver) {
+  const v1::Open same = open();
+  Client first(*stub, same);
+  first.say(hello_message());
+  ASSERT_TRUE(first.inbox.next_of(v1::ServerMessage::kFrame));
+  Client second(*stub, same);
+  second.say(hello_message());
+  EXPECT_EQ(first.status(), grpc::StatusCode::ABORTED);
+  EXPECT_TRUE(second.inbox.next_of(v1::ServerMessage::kConfig));
+  EXPECT_TRUE(second.inbox.next_of(v1::ServerMessage::kFrame));
+}
+
+TEST_F(GrpcTest, RefusalsHaveTheirStatus) {
+  Client one(*stub, open());
+  Client two(*stub, open());
+  one.say(hello_message());
+  two.say(hello_message());
+  ASSERT_TRUE(one.inbox.next_of(v1::ServerMessage::kFrame));
+  ASSERT_TRUE(two.inbox.next_of(v1::ServerMessage::kFrame));
+  EXPECT_EQ(Client(*stub, open()).status(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  v1::Open wrong = open();
+  wrong.set_volume_id("../secret");
+  EXPECT_EQ(Client(*stub, wrong).status(), grpc::StatusCode::INVALID_ARGUMENT);
+  two.hang_up();
+  EXPECT_EQ(two.status(), grpc::StatusCode::OK);
+  v1::Open unknown = open();
+  unknown.set_volume_id(new_id());
+  EXPECT_EQ(Client(*stub, unknown).status(), grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(GrpcTest, AMessageOverTheLimitEndsThatCallAlone) {
+  Client one(*stub, open());
+  one.say(hello_message());
+  ASSERT_TRUE(one.inbox.next_of(v1::ServerMessage::kFrame));
+  Client two(*stub, open());
+  v1::ClientMessage huge = hello_message();
+  huge.mutable_scene()->mutable_scene()->add_lights()->set_name(std::string(2 << 20, 'x'));
+  two.say(huge);
+  EXPECT_NE(two.status(), grpc::StatusCode::OK);
+  one.say(ack_message(1));
+  EXPECT_TRUE(one.inbox.next_of(v1::ServerMessage::kFrame));
+}
+
+TEST_F(GrpcTest, AViewerThatVanishesLeavesItsFilmForTheNext) {
+  const v1::Open same = open();
+  std::uint64_t samples = 0;
+  {
+    Client viewer(*stub, same);
+    viewer.say(hello_message());
+    const auto frame = viewer.follow([](const v1::Frame& f) { return f.iteration() >= 8; });
+    ASSERT_TRUE(frame);
+    samples = frame->iteration();
+    viewer.vanish();
+  }
+  Client back(*stub, same);
+  back.say(hello_message());
+  const auto frame = back.inbox.next_of(v1::ServerMessage::kFrame);
+  ASSERT_TRUE(frame);
+  EXPECT_GE(frame->frame().iteration(), samples);
+}
+
+TEST_F(GrpcTest, AStillIsAPictureOfItsSize) {
+  v1::StillRequest request;
+  request.set_volume_id(volume);
+  request.set_preset("bone");
+  request.set_width(64);
+  request.set_height(48);
+  request.set_samples(8);
+  grpc::ClientContext context;
+  v1::StillReply reply;
+  const grpc::Status status = stub->RenderStill(&context, request, &reply);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(reply.jpeg().substr(0, 2), "\xff\xd8");
+  EXPECT_GT(reply.error(), 0);
+
+  request.set_preset("none such");
+  grpc::ClientContext again;
+  EXPECT_EQ(stub->RenderStill(&again, request, &reply).error_code(), grpc::StatusCode::NOT_FOUND);
+  request.set_width(100000);
+  grpc::ClientContext third;
+  EXPECT_EQ(stub->RenderStill(&third, request, &reply).error_code(),
+            grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(GrpcTest, MoreStillsThanAreBoundedAreRefusedAndTheOthersCome) {
+  v1::StillRequest request;
+  request.set_volume_id(volume);
+  request.set_preset("bone");
+  request.set_width(256);
+  request.set_height(256);
+  request.set_samples(8);
+  std::atomic<int> good{0};
+  std::atomic<int> refused{0};
+  std::vector<std::thread> callers;
+  for (int i = 0; i < 3 * StillService::kPending; ++i) {
+    callers.emplace_back([&] {
+      grpc::ClientContext context;
+      v1::StillReply reply;
+      const auto code = stub->RenderStill(&context, request, &reply).error_code();
+      if (code == grpc::StatusCode::OK) ++good;
+      if (code == grpc::StatusCode::RESOURCE_EXHAUSTED) ++refused;
+    });
+  }
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_GE(good, StillService::kPending);
+  EXPECT_EQ(good + refused, 3 * StillService::kPending);
+  EXPECT_GT(refused, 0);
+}
+
+TEST_F(GrpcTest, ADrainEndsEverythingWithinItsTime) {
+  Client viewer(*stub, open());
+  viewer.say(hello_message());
+  ASSERT_TRUE(viewer.inbox.next_of(v1::ServerMessage::kFrame));
+  v1::StillRequest request;
+  request.set_volume_id(volume);
+  request.set_preset("bone");
+  request.set_width(512);
+  request.set_height(512);
+  request.set_samples(4096);
+  std::thread still([&] {
+    grpc::ClientContext context;
+    v1::StillReply reply;
+    EXPECT_EQ(stub->RenderStill(&context, request, &reply).error_code(),
+              grpc::StatusCode::UNAVAILABLE);
+  });
+  std::this_thread::sleep_for(300ms);
+  const auto start = steady_clock::now();
+  server->set_not_serving();
+  worker->host().refuse_new();
+  worker->stop();
+  server->stop(1s);
+  EXPECT_LT(steady_clock::now() - start, 3s);
+  EXPECT_EQ(viewer.status(), grpc::StatusCode::UNAVAILABLE);
+  const auto problem = viewer.inbox.next_of(v1::ServerMessage::kProblem);
+  ASSERT_TRUE(problem);
+  EXPECT_EQ(problem->problem().code(), "unavailable");
+  still.join();
+}
+
+TEST_F(GrpcTest, APortThatIsTakenIsAnErrorNotACrash) {
+  GrpcServer::Options options;
+  options.port = server->port();
+  const auto second = GrpcServer::start(options, worker->host(), worker->stills(), metrics);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, ErrorCode::kUnavailable);
+}
+
+}  // namespace
+}  // namespace diaphane::render

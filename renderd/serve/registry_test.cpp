@@ -1,1 +1,264 @@
+#include "renderd/serve/registry.h"
+
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <thread>
+
+#include "renderd/serve/test_worker.h"
+
+namespace diaphane::render {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::uint16_t free_port() {
+  const int fd = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address);
+  socklen_t size = sizeof address;
+  getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+  close(fd);
+  return ntohs(address.sin_port);
+}
+
+bool eventually(const std::function<bool()>& holds, std::chrono::milliseconds within = 8000ms) {
+  const auto end = std::chrono::steady_clock::now() + within;
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(10ms);
+  }
+  return true;
+}
+
+// A redis-server of the test's own.
+class TestRedis {
+ public:
+  TestRedis() { start(); }
+  ~TestRedis() { stop(); }
+
+  void start() {
+    pid_ = fork();
+    if (pid_ == 0) {
+      const std::string port = std::to_string(address.port);
+      execlp("redis-server", "redis-server", "--port", port.c_str(), "--bind", "127.0.0.1",
+             "--save", "", "--appendonly", "no", "--logfile", "/dev/null", "--dir", "/tmp",
+             nullptr);
+      _exit(127);
+    }
+    EXPECT_TRUE(eventually([this] { return RedisClient(address).command({"PING"}).has_value(); }))
+        << "redis-server did not start";
+  }
+  void stop() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+    pid_ = 0;
+  }
+  std::vector<std::string> ask(const std::vector<std::string>& words) {
+    const auto answer = RedisClient(address).command(words);
+    return answer ? answer->list : std::vector<std::string>{};
+  }
+  std::int64_t number(const std::vector<std::string>& words) {
+    const auto answer = RedisClient(address).command(words);
+    return answer ? answer->number : -1;
+  }
+  std::string field(const std::string& key, const std::string& name) {
+    const auto answer = ask({"HGET", key, name});
+    return answer.empty() ? "" : answer.front();
+  }
+
+  const RedisAddress address{"127.0.0.1", free_port()};
+
+ private:
+  pid_t pid_ = 0;
+};
+
+struct Link final : ClientLink {
+  Inbox inbox;
+  void send(std::string message) override { inbox.put(message); }
+  void finish(const Error& why) override { inbox.end(why); }
+};
+
+struct RegistryTest : testing::Test {
+  RegistryTest() {
+    options.volume_dir = store.path;
+    worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
+                                            clock);
+  }
+  std::unique_ptr<Registry> announce(const std::string& incarnation = "first") {
+    return std::make_unique<Registry>(
+        Registry::Options{redis.address, "w1", incarnation, "127.0.0.1:8085", "fake", "a test",
+                          [this] { return worker->runner().busy_seconds(); },
+                          [this] { return worker->volumes().loaded(); }},
+        worker->host(), metrics);
+  }
+  std::pair<Attachment, std::shared_ptr<Link>> attach(const std::string& session,
+                                                      std::uint64_t placement = 1) {
+    v1::Open open;
+    open.set_session_id(session);
+    open.set_volume_id(volume);
+    open.set_placement(placement);
+    auto link = std::make_shared<Link>();
+    Attachment attachment = *worker->host().open(open, link);
+    attachment.receive(hello_message().SerializeAsString());
+    EXPECT_TRUE(link->inbox.next_of(v1::ServerMessage::kFrame));
+    return {attachment, link};
+  }
+  // Acknowledges frames until one shows `input`.
+  static bool shows(Attachment& attachment, Link& link, std::uint64_t input) {
+    for (;;) {
+      const auto message = link.inbox.next_of(v1::ServerMessage::kFrame);
+      if (!message) return false;
+      attachment.receive(ack_message(message->frame().seq()).SerializeAsString());
+      if (message->frame().input_seq() == input) return true;
+    }
+  }
+  void place(const std::string& session, const std::string& on, int placement) {
+    redis.ask({"HSET", "diaphane:session:" + session, "user", "u", "worker", on, "placement",
+               std::to_string(placement)});
+  }
+
+  TestRedis redis;
+  TestStore store;
+  std::string volume = store.add_ball();
+  std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
+  prometheus::Registry prometheus_registry;
+  Metrics metrics{prometheus_registry};
+  SystemClock clock;
+  RenderWorker::Options options;
+  std::unique_ptr<RenderWorker> worker;
+};
+
+TEST_F(RegistryTest, AWorkerAnnouncesItselfAndLeavesInOrder) {
+  auto registry = announce();
+  ASSERT_TRUE(
+      eventually([&] { return redis.field("diaphane:worker:w1", "address") == "127.0.0.1:8085"; }));
+  EXPECT_EQ(redis.field("diaphane:worker:w1", "incarnation"), "first");
+  EXPECT_EQ(redis.field("diaphane:worker:w1", "engine"), "fake");
+  EXPECT_EQ(redis.field("diaphane:worker:w1", "slots"), std::to_string(options.host.slots));
+  EXPECT_EQ(redis.field("diaphane:worker:w1", "used"), "0");
+  EXPECT_EQ(redis.field("diaphane:worker:w1", "draining"), "0");
+  EXPECT_EQ(redis.field("diaphane:worker:w1", "epoch"), "1");
+  EXPECT_EQ(redis.ask({"SMEMBERS", "diaphane:workers"}), std::vector<std::string>{"w1"});
+  const std::int64_t lives = redis.number({"PTTL", "diaphane:worker:w1"});
+  EXPECT_GT(lives, 1500);
+  EXPECT_LE(lives, 3000);
+  registry.reset();
+  EXPECT_EQ(redis.number({"EXISTS", "diaphane:worker:w1"}), 0);
+  EXPECT_TRUE(redis.ask({"SMEMBERS", "diaphane:workers"}).empty());
+}
+
+TEST_F(RegistryTest, TheHeartbeatGoesOn) {
+  auto registry = announce();
+  ASSERT_TRUE(eventually([&] { return registry->connected(); }));
+  for (int i = 0; i < 8; ++i) {
+    std::this_thread::sleep_for(500ms);
+    ASSERT_EQ(redis.number({"EXISTS", "diaphane:worker:w1"}), 1) << "expired after " << i;
+  }
+}
+
+TEST_F(RegistryTest, LiveSessionsAreCountedAndEndedOnesFreeTheirSlot) {
+  const std::string id = new_id();
+  const std::string reserved = new_id();
+  place(id, "w1", 1);
+  redis.ask({"ZADD", "diaphane:worker:w1:sessions", "9999999999999", reserved});
+  auto [attachment, link] = attach(id);
+  auto registry = announce();
+  ASSERT_TRUE(eventually([&] { return redis.field("diaphane:worker:w1", "used") == "2"; }));
+  EXPECT_EQ(redis.field("diaphane:worker:w1", "volumes"), volume);
+  worker->host().moved_away(id);  // any end
+  ASSERT_TRUE(eventually([&] { return redis.field("diaphane:worker:w1", "used") == "1"; }));
+  EXPECT_EQ(redis.ask({"ZRANGE", "diaphane:worker:w1:sessions", "0", "-1"}),
+            std::vector<std::string>{reserved})
+      << "a reservation whose viewer is on the way stays";
+}
+
+TEST_F(RegistryTest, TheProcessBeforeLeavesNoSessionsBehind) {
+  redis.ask({"HSET", "diaphane:worker:w1", "incarnation", "dead"});
+  redis.ask({"ZADD", "diaphane:worker:w1:sessions", "9999999999999", new_id()});
+  auto registry = announce("second");
+  ASSERT_TRUE(
+      eventually([&] { return redis.field("diaphane:worker:w1", "incarnation") == "second"; }));
+  EXPECT_EQ(redis.field("diaphane:worker:w1", "used"), "0");
+}
+
+TEST_F(RegistryTest, TheLastSceneIsKeptAndOnlyByTheWorkerThatHasTheSession) {
+  const std::string id = new_id();
+  place(id, "w1", 4);
+  auto [attachment, link] = attach(id, 4);
+  auto registry = announce();
+  const std::string key = "diaphane:session:" + id;
+  ASSERT_TRUE(eventually([&] { return !redis.field(key, "scene").empty(); }));
+  v1::Scene scene;
+  ASSERT_TRUE(scene.ParseFromString(redis.field(key, "scene")));
+  const v1::Scene moved = turned(scene, 12);
+  attachment.receive(scene_message(8, moved).SerializeAsString());
+  ASSERT_TRUE(eventually([&] { return redis.field(key, "input_seq") == "8"; }));
+  EXPECT_EQ(redis.field(key, "scene"), moved.SerializeAsString());
+  EXPECT_EQ(redis.field(key, "width"), "64");
+
+  // Placed anew, on this very worker or another: an old placement writes nothing.
+  redis.ask({"HSET", key, "placement", "5"});
+  attachment.receive(scene_message(9, turned(scene, 13)).SerializeAsString());
+  std::this_thread::sleep_for(500ms);
+  EXPECT_EQ(redis.field(key, "input_seq"), "8");
+}
+
+TEST_F(RegistryTest, ASessionThatWasPlacedElsewhereEndsHere) {
+  const std::string id = new_id();
+  place(id, "w1", 1);
+  auto [attachment, link] = attach(id);
+  auto registry = announce();
+  ASSERT_TRUE(eventually([&] { return redis.field("diaphane:worker:w1", "used") == "1"; }));
+  place(id, "w2", 2);
+  ASSERT_TRUE(eventually([&] { return worker->host().used() == 0; }));
+  EXPECT_EQ(link->inbox.ended()->code, ErrorCode::kConflict);
+}
+
+TEST_F(RegistryTest, WithRedisAwaySessionsGoOnAndWhatWasNotToldIsToldLater) {
+  const std::string id = new_id();
+  place(id, "w1", 1);
+  auto [attachment, link] = attach(id);
+  auto registry = announce();
+  ASSERT_TRUE(eventually([&] { return registry->connected(); }));
+  redis.stop();
+  ASSERT_TRUE(eventually([&] { return !registry->connected(); }));
+  const auto config = link->inbox.all().front().config();
+  attachment.receive(scene_message(3, turned(config.scene(), 5)).SerializeAsString());
+  EXPECT_TRUE(shows(attachment, *link, 3));
+
+  redis.start();  // empty
+  place(id, "w1", 1);
+  EXPECT_TRUE(eventually([&] { return redis.field("diaphane:worker:w1", "used") == "1"; }, 5000ms));
+  // What was written while the session's hash was gone is lost; the next change is not.
+  attachment.receive(scene_message(4, turned(config.scene(), 6)).SerializeAsString());
+  EXPECT_TRUE(
+      eventually([&] { return redis.field("diaphane:session:" + id, "input_seq") == "4"; }));
+}
+
+TEST_F(RegistryTest, ADrainIsToldAtOnce) {
+  auto registry = announce();
+  ASSERT_TRUE(eventually([&] { return registry->connected(); }));
+  const auto start = std::chrono::steady_clock::now();
+  registry->drain(2000ms);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 1s);
+  EXPECT_EQ(redis.field("diaphane:worker:w1", "draining"), "1");
+}
+
+TEST(RedisAddress, AnAddressIsHostAndPort) {
+  EXPECT_EQ(parse_redis_address("127.0.0.1:6379")->port, 6379);
+  for (const char* wrong : {"", "host", ":1", "host:", "host:0", "host:65536", "host:1x"}) {
+    EXPECT_FALSE(parse_redis_address(wrong)) << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace diaphane::render
