@@ -290,20 +290,21 @@ class Stack:
         raise HouseError(f"{name} does not become ready{self._last_words(name)}")
 
     def _stop_tier(self, entries: list[Running]) -> None:
-        alive = [e for e in entries if e.identity]
-        for entry in alive:
-            entry.identity.send(entry.program.stop_signal)
-        deadline = time.monotonic() + max((e.program.stop_seconds for e in alive), default=0)
-        for entry in alive:
+        # Taken once: the watcher forgets a process as soon as it has ended.
+        alive = [(e, e.process, e.identity) for e in entries if e.process and e.identity]
+        for entry, _, identity in alive:
+            identity.send(entry.program.stop_signal)
+        deadline = time.monotonic() + max((e.program.stop_seconds for e, _, _ in alive), default=0)
+        for entry, process, identity in alive:
             try:
-                entry.process.wait(max(0.0, deadline - time.monotonic()))
+                process.wait(max(0.0, deadline - time.monotonic()))
             except subprocess.TimeoutExpired:
                 self.on_event(f"{entry.program.name} did not stop in time; killing it")
-                entry.identity.send(signal.SIGKILL, group=True)
-                entry.process.wait(1)
+                identity.send(signal.SIGKILL, group=True)
+                process.wait(1)
             # What a program that died in its stride left of its own children.
             try:
-                os.killpg(entry.process.pid, signal.SIGKILL)
+                os.killpg(process.pid, signal.SIGKILL)
             except (ProcessLookupError, PermissionError):
                 pass
             entry.identity = None
