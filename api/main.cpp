@@ -1,8 +1,8 @@
 // diaphane-api: REST and the stream gateway. Wiring only.
 #include <sodium.h>
 
+#include <atomic>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -120,7 +120,8 @@ int serve(const Settings& settings, service::StopSignal& stop) {
       service::AdminServer::start({.port = settings.admin_port,
                                    .program = "api",
                                    .checks = {{"postgres", [&] { return database.reachable(); }},
-                                              {"redis", [&] { return placed.reachable(); }}},
+                                              {"redis", [&] { return placed.reachable(); }},
+                                              {"listeners", [&] { return serving.load(); }}},
                                    .details = {}});
   if (!admin) {
     std::fprintf(stderr, "%s\n", admin.error().message.c_str());
@@ -177,6 +178,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     std::fprintf(stderr, "%s\n", gateway.error().message.c_str());
     return gateway.error().code == ErrorCode::kInvalid ? kExitConfig : kExitUnavailable;
   }
+  serving = true;
   log::info("serving", {{"api_port", settings.api_port}, {"stream_port", settings.stream_port}});
 
   stop.wait();

@@ -1,0 +1,142 @@
+"""The stores and the API itself go away, and come back. On a stack of its own."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import httpx
+import pytest
+from api_client import Person, add_worker, client, make_ready, person, problem
+
+
+@pytest.fixture(scope="module")
+def stack(stack_house):
+    opened = stack_house.open(only=("postgres", "redis", "api", "edge"))
+    yield opened
+    stack_house.shut(opened)
+
+
+@pytest.fixture
+def one(stack) -> Person:
+    return person(stack)
+
+
+def until_well(stack, ask) -> httpx.Response:
+    """The first answer that is no 502 or 503."""
+    return stack.wait_until(lambda: a if (a := ask()).status_code < 500 else None, what="the recovery")
+
+
+def test_without_postgres_it_says_so_and_recovers_by_itself(stack, one):
+    data = os.urandom(3000)
+    made = one.data_set(len(data))
+    assert one.patch(made["upload_url"], 0, data[:1000]).status_code == 204
+    stack.stop("postgres")
+    for answer in (one.http.get("/v1/me"), one.announce(1000), one.patch(made["upload_url"], 1000, data[1000:2000])):
+        problem(answer, 503, "unavailable")
+        assert int(answer.headers["retry-after"]) >= 1
+    admin = httpx.get(f"http://127.0.0.1:{stack.ports['api-admin']}/readyz")
+    assert admin.status_code == 503 and not admin.json()["checks"]["postgres"]
+    stack.start("postgres")
+    stack.wait_ready("postgres")
+    # The very first request that comes after it: dead connections are found and replaced.
+    assert one.http.get("/v1/me").status_code == 200
+    assert one.offset(made["upload_url"]) == 1000
+    assert one.patch(made["upload_url"], 1000, data[1000:]).status_code == 204
+    assert (stack.data_dir / "uploads" / f"{made['data_set']['id']}.tar").read_bytes() == data
+
+
+def test_a_killed_postgres_loses_nothing_that_was_answered(stack, one):
+    made = [one.data_set(100)["data_set"]["id"] for _ in range(5)]
+    stack.kill("postgres")
+    until_well(stack, lambda: one.http.get("/v1/me"))
+    listed = [item["id"] for item in one.http.get("/v1/data-sets", params={"limit": 100}).json()["items"]]
+    assert set(made) <= set(listed)
+
+
+def test_without_redis_only_sessions_are_away(stack, one):
+    made = one.upload(b"x" * 100)["id"]
+    make_ready(stack, made)
+    stack.stop("redis")
+    problem(one.http.post("/v1/sessions", json={"data_set_id": made}), 503, "no-worker")
+    problem(one.http.get("/v1/sessions"), 503, "unavailable")
+    assert one.http.get("/v1/me").status_code == 200
+    assert one.data_set(100)
+    # It is gone for its owner although the sessions could not be ended.
+    assert one.http.delete(f"/v1/data-sets/{made}").status_code == 204
+    stack.start("redis")
+    stack.wait_ready("redis")
+    assert one.http.get("/v1/sessions").json() == {"items": []}
+
+
+def test_a_killed_api_comes_back_with_all_that_was_answered(stack, one):
+    data = os.urandom(3000)
+    made = one.data_set(len(data))
+    assert one.patch(made["upload_url"], 0, data[:1000]).status_code == 204
+    stack.kill("api")
+    until_well(stack, lambda: one.http.get("/v1/me"))
+    assert one.offset(made["upload_url"]) == 1000
+    assert one.patch(made["upload_url"], 1000, data[1000:]).status_code == 204
+    assert one.http.get(f"/v1/data-sets/{made['data_set']['id']}").json()["state"] == "queued"
+
+
+def test_a_mail_that_could_not_be_sent_is_sent_later(stack):
+    one = Person(stack)
+    folder = stack.data_dir / "mail"
+    folder.chmod(0o500)
+    stack.stack.run_as.own(folder)
+    stack.psql("DELETE FROM attempts")
+    try:
+        assert one.http.post("/v1/accounts", json={"email": one.email, "password": "a long password"}).status_code == 202
+        stack.wait_until(lambda: stack.psql("SELECT 1 FROM mail_queue WHERE attempts > 0"), what="a failed attempt")
+    finally:
+        folder.chmod(0o700)
+    stack.psql("UPDATE mail_queue SET not_before = now()")
+    stack.wait_until(lambda: stack.mails(one.email), what="the mail")
+
+
+def test_a_stopped_api_finishes_what_is_in_flight(stack, one):
+    """SIGTERM in the middle of a slow request: it is answered, and the program ends well within 5 s."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(2) as pool:
+        # Hashing a password takes tens of milliseconds; several of them queue for two slots.
+        answers = [pool.submit(one.http.post, "/v1/sign-in", json={"email": one.email, "password": f"wrong {i} wrong"})
+                   for i in range(2)]
+        time.sleep(0.02)
+        began = time.monotonic()
+        stack.stop("api")
+        took = time.monotonic() - began
+        statuses = [a.result().status_code for a in answers]
+    assert took < 5
+    assert set(statuses) <= {401, 503}, statuses
+    assert '"event":"stopped"' in stack.log("api")
+    answer = client(stack).get("/v1/me")
+    problem(answer, 502, "unavailable") if answer.status_code == 502 else problem(answer, 503, "unavailable")
+    stack.start("api")
+    stack.wait_ready("api")
+    assert one.http.get("/v1/me").status_code == 200
+
+
+def test_more_at_once_than_it_can_do_is_refused_in_words(stack, one):
+    """A flood of sign-ins is bounded in memory and time, and an ordinary person is served meanwhile."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    def guess(i: int) -> int:
+        return httpx.post(stack.url + "/v1/sign-in", timeout=30,
+                          json={"email": f"flood{i}@example.org", "password": "some wrong password"}).status_code
+
+    stack.psql("DELETE FROM attempts")
+    with ThreadPoolExecutor(40) as pool:
+        flood = [pool.submit(guess, i) for i in range(120)]
+        slowest = 0.0
+        for _ in range(10):
+            began = time.monotonic()
+            assert one.http.get("/v1/me").status_code in (200, 503)
+            slowest = max(slowest, time.monotonic() - began)
+        statuses = {f.result() for f in flood}
+    assert statuses <= {401, 429, 503}
+    assert slowest < 10
+    stack.psql("DELETE FROM attempts")
+    add_worker(stack, "after-flood")
+    assert one.http.get("/v1/me").status_code == 200
