@@ -116,6 +116,8 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   DataSetRepository data_set_store(database);
   MailRepository mail_store(database);
 
+  // Up first, so that a start that hangs can be looked at; ready only when both listeners are open.
+  std::atomic<bool> serving = false;
   auto admin =
       service::AdminServer::start({.port = settings.admin_port,
                                    .program = "api",
