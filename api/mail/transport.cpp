@@ -157,7 +157,7 @@ std::string percent_decoded(const std::string& text) {
 
 std::string message_of(const Mail& mail, const std::string& from, const std::string& date,
                        const std::string& message_id) {
-  const std::string sender = address_in(from);
+  const std::string sender = one_line(address_in(from));
   const std::size_t at = sender.find('@');
   const std::string domain = at == std::string::npos ? "localhost" : sender.substr(at + 1);
   return "Date: " + date + "\r\nFrom: " + one_line(from) + "\r\nTo: <" + one_line(mail.recipient) +

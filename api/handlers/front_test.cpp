@@ -1,0 +1,198 @@
+#include "api/handlers/front.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "api/handlers/request_fields.h"
+#include "api/handlers/target.h"
+#include "api/service/fake_account_store.h"
+#include "api/service/secrets.h"
+
+namespace diaphane::api {
+namespace {
+
+class FrontTest : public testing::Test {
+ protected:
+  FrontTest() {
+    const auto answer = [this](const Request& request, const Principal& who) -> Outcome<Response> {
+      ++served;
+      asked_by = who;
+      seen = request;
+      if (request.body == "throw") throw std::runtime_error("a defect");
+      Response response;
+      response.content_type = "text/plain";
+      response.body = request.body == "large" ? std::string(2 << 20, 'x') : "well";
+      return std::move(response).with("X-Said", request.body);
+    };
+    front.add({{"GET", "/v1/things/{id}", "getThing", Access::kPerson, answer, {"limit"}},
+               {"POST", "/v1/things", "makeThing", Access::kPersonOrOperator, answer, {}},
+               {"POST", "/v1/open", "open", Access::kAnyone, answer, {}, 100}});
+    WebSession session{blake2b(kToken), "user", kCsrf, clock.wall(),
+                       clock.wall() + std::chrono::hours(24 * 14)};
+    (void)store.open_session(session);
+  }
+
+  Response ask(Head head, std::string body = "") {
+    auto admission = front.admit(std::move(head));
+    if (auto* response = std::get_if<Response>(&admission)) return *response;
+    auto& admitted = std::get<Front::Admitted>(admission);
+    admitted.request.body = std::move(body);
+    return front.serve(admitted);
+  }
+  static std::string kind(const Response& response) {
+    return nlohmann::json::parse(response.body)["type"].get<std::string>().substr(21);
+  }
+  static std::string header(const Response& response, const std::string& name) {
+    for (const auto& [n, v] : response.headers) {
+      if (n == name) return v;
+    }
+    return "";
+  }
+
+  const std::string kToken = std::string(64, 'a'), kCsrf = std::string(64, 'c');
+  const std::string kCookie = "other=1; diaphane=" + kToken;
+  FakeAccountStore store;
+  ManualClock clock;
+  PasswordHasher hasher{1};
+  Accounts accounts{store, hasher, clock, {.public_url = "https://see.example"}};
+  Front front{accounts, {.public_url = "https://see.example", .sample_token = "s3cret"}};
+  int served = 0;
+  Principal asked_by;
+  Request seen;
+};
+
+TEST_F(FrontTest, NobodyGetsToAHandlerWithoutACookie) {
+  EXPECT_EQ(ask({"GET", "/v1/things/1", {}}).status, 401);
+  EXPECT_EQ(ask({"GET", "/v1/things/1", {{"cookie", "diaphane=" + std::string(64, 'b')}}}).status,
+            401);
+  EXPECT_EQ(served, 0);
+  EXPECT_EQ(ask({"GET", "/v1/things/1", {{"cookie", kCookie}}}).status, 200);
+  EXPECT_EQ(asked_by.user_id, "user");
+  EXPECT_EQ(seen.parameter("id"), "1");
+}
+
+TEST_F(FrontTest, AnUnsafeMethodNeedsTheTokenOfItsOwnSession) {
+  EXPECT_EQ(kind(ask({"POST", "/v1/things", {{"cookie", kCookie}}})), "csrf");
+  EXPECT_EQ(kind(ask({"POST", "/v1/things", {{"cookie", kCookie}, {"x-csrf-token", kToken}}})),
+            "csrf");
+  EXPECT_EQ(served, 0);
+  EXPECT_EQ(ask({"POST", "/v1/things", {{"cookie", kCookie}, {"x-csrf-token", kCsrf}}}).status,
+            200);
+}
+
+TEST_F(FrontTest, AnotherOriginIsRefusedEvenWhereNobodyNeedsToBeSignedIn) {
+  for (const char* origin :
+       {"null", "https://see.example.evil", "http://see.example", "https://see.example:1"}) {
+    EXPECT_EQ(kind(ask({"POST", "/v1/open", {{"origin", origin}}})), "origin") << origin;
+  }
+  EXPECT_EQ(ask({"POST", "/v1/open", {{"origin", "https://see.example"}}}).status, 200);
+}
+
+TEST_F(FrontTest, TheSamplesTokenOpensOnlyWhatIsMeantForIt) {
+  EXPECT_EQ(ask({"POST", "/v1/things", {{"authorization", "Bearer s3cret"}}}).status, 200);
+  EXPECT_TRUE(asked_by.sample_operator);
+  EXPECT_EQ(ask({"POST", "/v1/things", {{"authorization", "Bearer s3creT"}}}).status, 401);
+  EXPECT_EQ(ask({"GET", "/v1/things/1", {{"authorization", "Bearer s3cret"}}}).status, 401);
+  Front without(accounts, {.public_url = "https://see.example"});
+  without.add({{"POST", "/v1/things", "makeThing", Access::kPersonOrOperator, {}, {}}});
+  auto admitted = without.admit({"POST", "/v1/things", {{"authorization", "Bearer "}}});
+  EXPECT_EQ(without.serve(std::get<Front::Admitted>(admitted)).status, 401);
+}
+
+TEST_F(FrontTest, ADefectBecomesADocumentThatSaysNothingOfIt) {
+  const Response response = ask({"POST", "/v1/open", {}}, "throw");
+  EXPECT_EQ(response.status, 500);
+  EXPECT_EQ(kind(response), "internal");
+  EXPECT_EQ(response.body.find("defect"), std::string::npos);
+}
+
+TEST_F(FrontTest, NoLineBreakReachesAHeader) {
+  const Response response = ask({"POST", "/v1/open", {}}, "a\r\nSet-Cookie: x=y");
+  EXPECT_EQ(response.status, 200);
+  EXPECT_EQ(header(response, "X-Said"), "");
+}
+
+TEST_F(FrontTest, NoResponseIsLargerThanAMegabyte) {
+  EXPECT_EQ(ask({"POST", "/v1/open", {}}, "large").status, 500);
+}
+
+TEST_F(FrontTest, AnnouncedBodiesOverTheLimitAreRefusedFromTheHead) {
+  EXPECT_EQ(ask({"POST", "/v1/open", {{"content-length", "101"}}}).status, 413);
+  EXPECT_EQ(ask({"POST", "/v1/open", {{"content-length", "100"}}}).status, 200);
+  for (const char* bad : {"-1", "1, 1", "0x10", "99999999999999999999"}) {
+    EXPECT_EQ(ask({"POST", "/v1/open", {{"content-length", bad}}}).status, 400) << bad;
+  }
+  EXPECT_EQ(ask({"POST", "/v1/open", {{"transfer-encoding", "chunked"}}}).status, 400);
+}
+
+TEST_F(FrontTest, EveryMethodIsAnsweredOnPurpose) {
+  const Response wrong = ask({"DELETE", "/v1/open", {}});
+  EXPECT_EQ(wrong.status, 405);
+  EXPECT_EQ(header(wrong, "Allow"), "POST");
+  const Response options = ask({"OPTIONS", "/v1/open", {}});
+  EXPECT_EQ(options.status, 204);
+  EXPECT_EQ(header(options, "Allow"), "POST, OPTIONS");
+  const Response trace = ask({"TRACE", "/v1/open", {{"cookie", kCookie}}});
+  EXPECT_EQ(trace.status, 405);
+  EXPECT_EQ(trace.body.find(kToken), std::string::npos);
+  const Response head = ask({"HEAD", "/v1/things/1", {{"cookie", kCookie}}});
+  EXPECT_EQ(head.status, 200);
+  EXPECT_EQ(head.body, "");
+}
+
+TEST_F(FrontTest, TheEdgesRequestIdIsKeptAndAnyOtherTextIsNot) {
+  EXPECT_EQ(
+      header(ask({"GET", "/v1/none", {{"x-request-id", "0123456789abcdef"}}}), "X-Request-Id"),
+      "0123456789abcdef");
+  const std::string made =
+      header(ask({"GET", "/v1/none", {{"x-request-id", "a b\"c"}}}), "X-Request-Id");
+  EXPECT_EQ(made.size(), 32u);
+}
+
+TEST_F(FrontTest, TheCookieIsNotForScriptsNorForOtherPages) {
+  const std::string cookie = front.cookie(kToken);
+  for (const char* part : {"HttpOnly", "SameSite=Strict", "Secure", "Path=/"}) {
+    EXPECT_THAT(cookie, testing::HasSubstr(part));
+  }
+  EXPECT_THAT(front.cookie(""), testing::HasSubstr("Max-Age=0"));
+}
+
+TEST(Target, PathsAreTakenLetterForLetter) {
+  for (const char* bad : {"", "v1", "//x/admin", "/v1//me", "/v1/../admin", "/v1/./me", "/v1/%6de",
+                          "/v1/me%00", "/v1/m e", "*", "http://evil/v1/me", "/v1/me;x=1",
+                          "/v1/\\me", "/v1/me?a=%", "/v1/me?a=%0a", "/v1/me?a=1&a=2"}) {
+    EXPECT_FALSE(parse_target(bad)) << bad;
+  }
+  const auto target = parse_target("/v1/me?limit=5&cursor=a%2Eb+c&flag");
+  ASSERT_TRUE(target);
+  EXPECT_EQ(target->path, "/v1/me");
+  EXPECT_EQ(target->query, (std::map<std::string, std::string>{
+                               {"limit", "5"}, {"cursor", "a.b c"}, {"flag", ""}}));
+}
+
+TEST(Target, APatternMatchesWholeSegmentsOnly) {
+  EXPECT_TRUE(match_path("/v1/a/{x}/b", "/v1/a/1/b"));
+  for (const char* other : {"/v1/a//b", "/v1/a/1", "/v1/a/1/b/", "/v1/a/1/c", "/v1/a/1/2/b"}) {
+    EXPECT_FALSE(match_path("/v1/a/{x}/b", other)) << other;
+  }
+}
+
+TEST(RequestFields, EveryMistakeIsSaidAtOnce) {
+  Request request;
+  request.headers["content-type"] = "application/json; charset=utf-8";
+  request.body = R"({"title": 5, "bytes": -1, "surprise": true})";
+  Fields in(request);
+  in.text_or("title", "", 80);
+  in.integer("bytes", 1, 100);
+  in.text("email", 3, 254);
+  const auto wrong = in.finish();
+  ASSERT_TRUE(wrong);
+  std::vector<std::string> fields;
+  for (const FieldProblem& field : wrong->fields) fields.push_back(field.field);
+  EXPECT_THAT(fields, testing::UnorderedElementsAre("title", "bytes", "email", "surprise"));
+}
+
+}  // namespace
+}  // namespace diaphane::api

@@ -1,0 +1,167 @@
+#include "api/service/accounts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "api/service/fake_account_store.h"
+#include "api/service/secrets.h"
+
+namespace diaphane::api {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::string kEmail = "Person@example.org";
+const std::string kPassword = "a long and quiet password";
+
+class AccountsTest : public testing::Test {
+ protected:
+  std::string token_in_last_mail() const {
+    const std::string& body = store.mails.back().body;
+    return body.substr(body.find("#token=") + 7, 64);
+  }
+  void sign_up_and_verify() {
+    ASSERT_TRUE(accounts.sign_up(kEmail, kPassword, "1.2.3.4"));
+    ASSERT_TRUE(accounts.verify(token_in_last_mail()));
+  }
+  ProblemKind refused_sign_in(const std::string& password, const std::string& address = "1.2.3.4") {
+    const auto opened = accounts.sign_in(kEmail, password, address);
+    EXPECT_FALSE(opened);
+    return opened ? ProblemKind::kInternal : opened.error().kind;
+  }
+
+  FakeAccountStore store;
+  ManualClock clock;
+  PasswordHasher hasher{2};
+  Accounts accounts{store, hasher, clock, {.public_url = "https://see.example"}};
+};
+
+TEST_F(AccountsTest, NothingThatIsStoredOpensAnAccount) {
+  sign_up_and_verify();
+  const auto opened = accounts.sign_in(kEmail, kPassword, "1.2.3.4");
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(store.sessions.count(opened->token), 0u);
+  EXPECT_FALSE(accounts.authenticate(store.sessions.begin()->first));
+  EXPECT_EQ(store.accounts.begin()->second.password_hash.find(kPassword), std::string::npos);
+}
+
+TEST_F(AccountsTest, ALinkWorksOnce) {
+  ASSERT_TRUE(accounts.sign_up(kEmail, kPassword, "1.2.3.4"));
+  EXPECT_EQ(refused_sign_in(kPassword), ProblemKind::kUnverified);
+  const std::string token = token_in_last_mail();
+  EXPECT_TRUE(accounts.verify(token));
+  EXPECT_EQ(accounts.verify(token).error().kind, ProblemKind::kLinkExpired);
+}
+
+TEST_F(AccountsTest, TheAddressIsTheSameInWhateverCase) {
+  sign_up_and_verify();
+  EXPECT_TRUE(accounts.sign_in("PERSON@EXAMPLE.ORG", kPassword, "1.2.3.4"));
+}
+
+TEST_F(AccountsTest, SigningUpWithAKnownAddressChangesNothingAndLooksTheSame) {
+  sign_up_and_verify();
+  const std::string hash = store.accounts.begin()->second.password_hash;
+  EXPECT_TRUE(accounts.sign_up(kEmail, "another long password", "9.9.9.9"));
+  EXPECT_EQ(store.accounts.begin()->second.password_hash, hash);
+  EXPECT_THAT(store.mails.back().subject, testing::HasSubstr("already"));
+}
+
+TEST_F(AccountsTest, AfterTenFailuresEvenTheRightPasswordWaitsUntilTheWindowHasPassed) {
+  sign_up_and_verify();
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(refused_sign_in("wrong wrong", std::to_string(i)), ProblemKind::kWrongCredentials);
+  }
+  EXPECT_EQ(refused_sign_in(kPassword, "other"), ProblemKind::kTooManyAttempts);
+  clock.advance(15min);
+  EXPECT_TRUE(accounts.sign_in(kEmail, kPassword, "other"));
+}
+
+TEST_F(AccountsTest, ASuccessClearsTheAccountButNotTheAddress) {
+  sign_up_and_verify();
+  for (int i = 0; i < 9; ++i) refused_sign_in("wrong wrong");
+  clock.advance(1s);
+  ASSERT_TRUE(accounts.sign_in(kEmail, kPassword, "1.2.3.4"));
+  // Nine failures of the address are still there: 41 more and the address waits, whatever account
+  // it tries.
+  for (int i = 0; i < 41; ++i) {
+    EXPECT_EQ(
+        accounts.sign_in("x" + std::to_string(i) + "@b.c", "wrong wrong", "1.2.3.4").error().kind,
+        ProblemKind::kWrongCredentials);
+  }
+  EXPECT_EQ(refused_sign_in(kPassword), ProblemKind::kTooManyAttempts);
+}
+
+TEST_F(AccountsTest, ASessionSlidesWithUseButNeverBeyondItsLimit) {
+  sign_up_and_verify();
+  const std::string token = accounts.sign_in(kEmail, kPassword, "1.2.3.4")->token;
+  EXPECT_FALSE(accounts.authenticate(token)->renewed);
+  for (int day = 0; day < 89; ++day) {
+    ASSERT_TRUE(accounts.authenticate(token)) << "day " << day;
+    clock.advance(24h);
+  }
+  EXPECT_TRUE(accounts.authenticate(token));
+  EXPECT_LT(store.extended, 89);  // not a write for each use
+  clock.advance(25h);
+  EXPECT_EQ(accounts.authenticate(token).error().kind, ProblemKind::kUnauthenticated);
+}
+
+TEST_F(AccountsTest, ASessionThatIsNotUsedExpires) {
+  sign_up_and_verify();
+  const std::string token = accounts.sign_in(kEmail, kPassword, "1.2.3.4")->token;
+  clock.advance(14 * 24h);
+  EXPECT_FALSE(accounts.authenticate(token));
+}
+
+TEST_F(AccountsTest, ADatabaseThatIsAwayIsNoWrongPassword) {
+  sign_up_and_verify();
+  store.away = true;
+  EXPECT_EQ(refused_sign_in(kPassword), ProblemKind::kUnavailable);
+  EXPECT_EQ(accounts.authenticate(std::string(64, 'a')).error().kind, ProblemKind::kUnavailable);
+}
+
+TEST(Password, IsRefusedForItsLengthInCharactersOrForBeingTheAddress) {
+  EXPECT_TRUE(fault_of_password("123456789", kEmail));
+  EXPECT_FALSE(fault_of_password("1234567890", kEmail));
+  EXPECT_TRUE(fault_of_password("ééééééééé", kEmail));  // 18 bytes, 9 characters
+  EXPECT_FALSE(fault_of_password("éééééééééé", kEmail));
+  EXPECT_FALSE(fault_of_password(std::string(200, 'x'), kEmail));
+  EXPECT_TRUE(fault_of_password(std::string(201, 'x'), kEmail));
+  EXPECT_TRUE(fault_of_password("pErson@example.ORG", kEmail));
+}
+
+TEST(Password, TheHashIsSaltedAndVerifiesOnlyItself) {
+  PasswordHasher hasher(1);
+  const auto a = hasher.hash(kPassword), b = hasher.hash(kPassword);
+  EXPECT_NE(*a, *b);
+  EXPECT_TRUE(*hasher.verify(kPassword, *a));
+  EXPECT_FALSE(*hasher.verify(kPassword + " ", *a));
+  EXPECT_FALSE(*hasher.verify_nothing(kPassword));
+}
+
+TEST(Password, HashingIsBoundedHoweverManyAsk) {
+  PasswordHasher hasher(1, 1ms);
+  std::atomic<int> done = 0, refused = 0;
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 20; ++i) {
+    threads.emplace_back([&] { ++(hasher.hash(kPassword) ? done : refused); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_GE(done, 1);
+  EXPECT_GE(refused, 1);
+  EXPECT_TRUE(hasher.hash(kPassword));  // and there is room again afterwards
+}
+
+TEST(Email, IsAnAddressThatMailCanBeSentTo) {
+  for (const char* good : {"a@b", "first.last+tag@example.co.uk", "x_y@1-2.de"}) {
+    EXPECT_TRUE(is_email(good)) << good;
+  }
+  for (const char* bad : {"", "a", "@b", "a@", "a@b@c", "a b@c", "a@.b", "a@b.", "a@b..c", "<a@b>",
+                          "a@b\r\nBcc: c@d", "é@b"}) {
+    EXPECT_FALSE(is_email(bad)) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace diaphane::api

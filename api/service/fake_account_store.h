@@ -1,0 +1,93 @@
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "api/service/account_store.h"
+
+namespace diaphane::api {
+
+/// Accounts in memory, for tests. `away` makes every function answer that the database is away.
+class FakeAccountStore final : public AccountStore {
+ public:
+  bool away = false;
+  std::map<std::string, Account> accounts;     ///< by e-mail key
+  std::map<std::string, std::string> tokens;   ///< hash to e-mail key
+  std::map<std::string, WebSession> sessions;  ///< by token hash
+  std::vector<std::pair<std::string, Time>> attempts;
+  std::vector<Mail> mails;
+  int extended = 0;
+
+  Result<void> sign_up(const SignUp& s, Time) override {
+    if (away) return gone();
+    auto& account = accounts[s.email_key];
+    if (account.verified) {
+      mails.push_back(s.already_there);
+      return {};
+    }
+    account = {s.user_id, s.email, s.password_hash, false};
+    std::erase_if(tokens, [&](const auto& token) { return token.second == s.email_key; });
+    tokens[s.token_hash] = s.email_key;
+    mails.push_back(s.welcome);
+    return {};
+  }
+  Result<bool> verify(const std::string& token_hash, Time) override {
+    if (away) return gone();
+    const auto found = tokens.find(token_hash);
+    if (found == tokens.end()) return false;
+    accounts[found->second].verified = true;
+    tokens.erase(found);
+    return true;
+  }
+  Result<std::optional<Account>> find_by_email(const std::string& key) override {
+    if (away) return gone();
+    const auto found = accounts.find(key);
+    return found == accounts.end() ? std::nullopt : std::optional(found->second);
+  }
+  Result<void> open_session(const WebSession& session) override {
+    if (away) return gone();
+    sessions[session.token_hash] = session;
+    return {};
+  }
+  Result<std::optional<SignedIn>> find_session(const std::string& hash, Time now) override {
+    if (away) return gone();
+    const auto found = sessions.find(hash);
+    if (found == sessions.end() || found->second.expires_at <= now) return std::nullopt;
+    return SignedIn{found->second, "person@example.org"};
+  }
+  Result<void> extend_session(const std::string& hash, Time expires_at) override {
+    sessions.at(hash).expires_at = expires_at;
+    ++extended;
+    return {};
+  }
+  Result<void> close_session(const std::string& hash) override {
+    sessions.erase(hash);
+    return {};
+  }
+  Result<Quota> quota_of(const std::string&) override { return Quota{1000, 0}; }
+  Result<std::optional<std::chrono::seconds>> note_attempt(const std::vector<AttemptLimit>& limits,
+                                                           Time now) override {
+    if (away) return gone();
+    for (const AttemptLimit& limit : limits) {
+      const auto recent = std::count_if(attempts.begin(), attempts.end(), [&](const auto& a) {
+        return a.first == limit.key_hash && a.second > now - limit.window;
+      });
+      if (recent >= limit.count) return limit.window;
+    }
+    for (const AttemptLimit& limit : limits) attempts.emplace_back(limit.key_hash, now);
+    return std::nullopt;
+  }
+  Result<void> forget_attempts(const std::string& key, std::optional<Time> at) override {
+    std::erase_if(attempts,
+                  [&](const auto& a) { return a.first == key && (!at || a.second == *at); });
+    return {};
+  }
+  Result<void> tidy(Time) override { return {}; }
+
+ private:
+  static tl::unexpected<Error> gone() { return fail(ErrorCode::kUnavailable, "away"); }
+};
+
+}  // namespace diaphane::api

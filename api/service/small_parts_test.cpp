@@ -1,0 +1,160 @@
+// Cursors, secrets, mail retries, thumbnails: the small parts of the service.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "api/service/cursor.h"
+#include "api/service/housekeeping.h"
+#include "api/service/secrets.h"
+#include "common/ids.h"
+
+namespace diaphane::api {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(Cursor, ComesBackAsItWasGiven) {
+  for (const std::int64_t us :
+       {std::int64_t{0}, std::int64_t{1}, std::int64_t{1'700'000'000'123'456}}) {
+    const Cursor cursor{us, new_id()};
+    const auto decoded = decode_cursor(encode_cursor(cursor));
+    ASSERT_TRUE(decoded);
+    EXPECT_EQ(*decoded, cursor);
+  }
+}
+
+TEST(Cursor, WhatWasNotGivenOutIsRefused) {
+  const std::string good = encode_cursor({1234, new_id()});
+  for (const std::string& bad :
+       {std::string(), std::string("."), good.substr(1, 3), good + "0", "0" + good, "-" + good,
+        std::string("1.' OR 1=1"), std::string("fffffffffffffff.") + new_id()}) {
+    EXPECT_FALSE(decode_cursor(bad)) << bad;
+  }
+}
+
+TEST(Secrets, Blake2bIsTheStandards) {
+  // RFC 7693's algorithm, 256 bits, of nothing.
+  EXPECT_EQ(blake2b(""), "0e5751c026e543b2e8ab2eb06099daa1d1e5df47778f7787faab45cdf12fe3a8");
+}
+
+TEST(Secrets, AnIdMadeOfATextIsAnIdAndAlwaysTheSame) {
+  EXPECT_TRUE(is_id(id_from("something")));
+  EXPECT_EQ(id_from("something"), id_from("something"));
+  EXPECT_NE(id_from("something"), id_from("something else"));
+}
+
+TEST(Secrets, ATokenIsSixtyFourLowerCaseDigits) {
+  EXPECT_TRUE(is_token(random_hex(32)));
+  EXPECT_FALSE(is_token(random_hex(31)));
+  EXPECT_FALSE(is_token(std::string(64, 'A')));
+  EXPECT_FALSE(equal_in_constant_time("a", "ab"));
+  EXPECT_TRUE(equal_in_constant_time("ab", "ab"));
+}
+
+class Queue final : public MailStore {
+ public:
+  Result<std::optional<Queued>> claim_mail(Time now, std::chrono::seconds lease) override {
+    if (done || not_before > now) return std::nullopt;
+    not_before = now + lease;
+    return Queued{1, attempts, {"a@b", "s", "b"}};
+  }
+  Result<void> mail_sent(std::int64_t) override {
+    done = true;
+    return {};
+  }
+  Result<void> mail_failed(std::int64_t, Time when) override {
+    ++attempts;
+    not_before = when;
+    return {};
+  }
+  bool done = false;
+  int attempts = 0;
+  Time not_before;
+};
+
+class Transport final : public MailTransport {
+ public:
+  Result<void> send(const Mail&) override {
+    ++calls;
+    if (calls <= failures) return fail(code, "no");
+    return {};
+  }
+  ErrorCode code = ErrorCode::kUnavailable;
+  int failures = 0, calls = 0;
+};
+
+TEST(Mailer, TriesAgainLaterAndLaterUntilItIsSent) {
+  Queue queue;
+  Transport transport;
+  transport.failures = 3;
+  ManualClock clock;
+  Mailer mailer(queue, transport, clock);
+  auto waited = 0s;
+  while (!queue.done && waited < 1h) {
+    mailer.send_due();
+    clock.advance(1s);
+    waited += 1s;
+  }
+  EXPECT_EQ(transport.calls, 4);
+  EXPECT_GE(waited, 5s + 10s + 20s);
+}
+
+TEST(Mailer, GivesUpWhatIsHopeless) {
+  Queue refused_for_good, always_failing;
+  Transport transport;
+  transport.failures = 1000;
+  ManualClock clock;
+  transport.code = ErrorCode::kInvalid;
+  Mailer(refused_for_good, transport, clock).send_due();
+  EXPECT_TRUE(refused_for_good.done);
+  transport.code = ErrorCode::kUnavailable;
+  for (int i = 0; i < 12; ++i) {
+    Mailer(always_failing, transport, clock).send_due();
+    clock.advance(2h);
+  }
+  EXPECT_TRUE(always_failing.done);
+}
+
+TEST(Mailer, PausesDoubleUpToAnHour) {
+  EXPECT_EQ(Mailer::pause_after(1), 5s);
+  EXPECT_EQ(Mailer::pause_after(2), 10s);
+  EXPECT_EQ(Mailer::pause_after(100), 1h);
+}
+
+TEST(Periodic, AWakeIsNotLostAndAThrowDoesNotEndIt) {
+  std::atomic<int> runs = 0;
+  Periodic periodic("test", 1h, [&] {
+    if (++runs == 1) throw std::runtime_error("once");
+  });
+  for (int i = 0; i < 400 && runs < 2; ++i) {
+    periodic.wake();
+    std::this_thread::sleep_for(5ms);
+  }
+  EXPECT_GE(runs, 2);
+}
+
+TEST(UploadFiles, OneWriterAtATimeAndNoFileComesBack) {
+  const auto directory = std::filesystem::temp_directory_path() / ("uploads-" + random_hex(8));
+  std::filesystem::create_directories(directory);
+  UploadFiles files(directory);
+  const std::string id = new_id();
+  EXPECT_FALSE(files.open(id, false));  // a later part makes no file
+  {
+    auto first = files.open(id, true);
+    ASSERT_TRUE(first);
+    const auto second = files.open(id, true);
+    ASSERT_FALSE(second);
+    EXPECT_EQ(second.error().code, ErrorCode::kConflict);
+    EXPECT_TRUE(first->write(3, "def"));
+    EXPECT_TRUE(first->write(0, "abc"));
+  }
+  EXPECT_EQ(std::filesystem::file_size(directory / (id + ".tar")), 6u);
+  EXPECT_TRUE(files.open(id, false));
+  EXPECT_TRUE(files.remove(id));
+  EXPECT_TRUE(files.remove(id));
+  EXPECT_GT(files.free_bytes(), 0);
+  std::filesystem::remove_all(directory);
+}
+
+}  // namespace
+}  // namespace diaphane::api

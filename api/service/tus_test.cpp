@@ -1,0 +1,81 @@
+#include "api/service/tus.h"
+
+#include <gtest/gtest.h>
+
+namespace diaphane::api::tus {
+namespace {
+
+ProblemKind refusal(const Standing& standing, const PartRequest& request) {
+  const auto part = plan_part(standing, request);
+  EXPECT_FALSE(part);
+  return part ? ProblemKind::kInternal : part.error().kind;
+}
+
+TEST(Tus, APartIsTakenOnlyWhereTheUploadStands) {
+  const Standing standing{.length = 100, .received = 40};
+  for (int offset = 0; offset <= 110; ++offset) {
+    const std::string text = std::to_string(offset);
+    const auto part = plan_part(standing, {.offset = text, .bytes = 10});
+    EXPECT_EQ(part.has_value(), offset == 40) << offset;
+    if (!part) {
+      EXPECT_EQ(part.error().kind, ProblemKind::kOffsetMismatch);
+    }
+  }
+}
+
+TEST(Tus, ThePartThatFillsTheUploadCompletesItAndNoneGoesBeyond) {
+  const Standing standing{.length = 100, .received = 40};
+  EXPECT_FALSE(plan_part(standing, {.offset = "40", .bytes = 59})->completes);
+  EXPECT_TRUE(plan_part(standing, {.offset = "40", .bytes = 60})->completes);
+  EXPECT_EQ(refusal(standing, {.offset = "40", .bytes = 61}), ProblemKind::kInvalid);
+}
+
+TEST(Tus, TheEndMayBeSentAgainByWhoNeverGotTheAnswer) {
+  const Standing complete{.length = 100, .received = 100, .taken = true};
+  EXPECT_TRUE(plan_part(complete, {.offset = "100", .bytes = 0}));
+  EXPECT_EQ(refusal(complete, {.offset = "40", .bytes = 60}), ProblemKind::kUploadComplete);
+  EXPECT_EQ(refusal(complete, {.offset = "100", .bytes = 1}), ProblemKind::kUploadComplete);
+}
+
+TEST(Tus, AnExpiredUploadTakesNothing) {
+  EXPECT_EQ(refusal({.length = 100, .received = 40, .expired = true}, {.offset = "40", .bytes = 1}),
+            ProblemKind::kUploadExpired);
+}
+
+TEST(Tus, APartHasAtMostEightMebibytes) {
+  const Standing standing{.length = 1 << 30};
+  EXPECT_TRUE(plan_part(standing, {.offset = "0", .bytes = kMaxPartBytes}));
+  EXPECT_EQ(refusal(standing, {.offset = "0", .bytes = kMaxPartBytes + 1}),
+            ProblemKind::kBodyTooLarge);
+}
+
+TEST(Tus, MalformedOffsetsAreNamed) {
+  for (const char* bad : {"", "-1", "+1", " 1", "1 ", "0x1", "99999999999999999999", "1.0"}) {
+    const auto part = plan_part({.length = 10}, {.offset = bad, .bytes = 1});
+    ASSERT_FALSE(part) << bad;
+    EXPECT_EQ(part.error().fields.at(0).field, "Upload-Offset");
+  }
+}
+
+TEST(Tus, AChecksumFitsItsBytesAndNoOthers) {
+  // sha1("hello world") as tus 1.0 has it in its example
+  const auto sha1 = parse_checksum("sha1 Kq5sNclPz7QV2+lfQIuc6R7oRu0=");
+  ASSERT_TRUE(sha1);
+  EXPECT_TRUE(fits(*sha1, "hello world"));
+  EXPECT_FALSE(fits(*sha1, "hello worle"));
+  // FIPS 180-2, "abc"
+  const auto sha256 = parse_checksum("sha256 ungWv48Bz+pBQUDeXa4iI7ADYaOWF3qctBD/YfIAFa0=");
+  ASSERT_TRUE(sha256);
+  EXPECT_TRUE(fits(*sha256, "abc"));
+}
+
+TEST(Tus, MalformedChecksumsAreRefused) {
+  for (const char* bad :
+       {"sha1", "sha1 ", "sha1 AAAA", "md5 rL0Y20zC+Fzt72VPzMSk2A==", "sha1 ????",
+        "sha256 Kq5sNclPz7QV2+lfQIuc6R7oRu0=", "SHA1 Kq5sNclPz7QV2+lfQIuc6R7oRu0="}) {
+    EXPECT_FALSE(parse_checksum(bad)) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace diaphane::api::tus
