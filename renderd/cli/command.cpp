@@ -111,8 +111,8 @@ Result<Rendered> render(const Options& options) {
 }
 
 int complain(const Error& error, int exit_code) {
-  std::cerr << "diaphane-render: " << (error.field.empty() ? "" : error.field + ": ")
-            << error.message << '\n';
+  const bool named = error.message.find(error.field) != std::string::npos;
+  std::cerr << "diaphane-render: " << (named ? "" : error.field + ": ") << error.message << '\n';
   return exit_code;
 }
 

@@ -36,7 +36,7 @@ struct Stripe {
   std::uint32_t lane_shift;    ///< 2^lane_shift threads share a pixel's samples
 };
 inline constexpr std::uint32_t kStripeRows = 8;
-inline constexpr std::uint32_t kMostLaneShift = 4;
+inline constexpr std::uint32_t kMostLaneShift = 5;  ///< a warp
 
 /// Traces the stripe with the variant for `features` and writes its pixels of `batch` (one entry a
 /// pixel).

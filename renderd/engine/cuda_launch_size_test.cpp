@@ -37,12 +37,12 @@ TEST(LaunchSize, RowsAreWholeStepsAndNeverNone) {
   EXPECT_EQ(size.rows(1, 1, 8), 65536u);
 }
 
-TEST(LaneShift, FillsTheDeviceAndNeverExceedsTheSamples) {
-  EXPECT_EQ(lane_shift_for(512 * 512, 16, 4), 2u);
-  EXPECT_EQ(lane_shift_for(512 * 512, 1, 4), 0u);
-  EXPECT_EQ(lane_shift_for(512 * 512, 3, 4), 1u);
-  EXPECT_EQ(lane_shift_for(1920 * 1080, 16, 4), 0u);
-  EXPECT_EQ(lane_shift_for(16 * 16, 16, 4), 4u);
+TEST(LaneShift, GivesEachSampleAThreadUpToTheMost) {
+  EXPECT_EQ(lane_shift_for(1, 5), 0u);
+  EXPECT_EQ(lane_shift_for(3, 5), 1u);
+  EXPECT_EQ(lane_shift_for(16, 5), 4u);
+  EXPECT_EQ(lane_shift_for(31, 5), 4u);
+  EXPECT_EQ(lane_shift_for(1000, 5), 5u);
 }
 
 }  // namespace

@@ -118,13 +118,12 @@ Result<bool> CudaRenderer::trace_pending(const std::function<bool()>& stop, Flig
     const std::uint32_t rows =
         smaller(launch_size_.rows(canvas.width, pending_.samples, kStripeRows),
                 canvas.height - pending_.next_row);
-    const Stripe stripe{
-        .first_row = pending_.next_row,
-        .rows = rows,
-        .first_sample = first_sample_ + film_->samples(),
-        .film_sample = film_->samples(),
-        .samples = pending_.samples,
-        .lane_shift = lane_shift_for(film_->pixels(), pending_.samples, kMostLaneShift)};
+    const Stripe stripe{.first_row = pending_.next_row,
+                        .rows = rows,
+                        .first_sample = first_sample_ + film_->samples(),
+                        .film_sample = film_->samples(),
+                        .samples = pending_.samples,
+                        .lane_shift = lane_shift_for(pending_.samples, kMostLaneShift)};
     DIAPHANE_CUDA_TRY(trace(prepared_.features, view, stripe, film_->batch(), stream_.get()));
     pending_.next_row += rows;
     DIAPHANE_TRY(note_launch(flight, std::uint64_t{canvas.width} * rows * stripe.samples));

