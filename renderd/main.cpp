@@ -113,11 +113,17 @@ int run(int argc, char** argv) {
   const EngineInfo info = (*engine)->info();
   const SystemClock clock;
 
+  // What the operations port looks at; null before it serves and when it ends.
   std::atomic<RenderWorker*> worker_now{nullptr};
+  std::atomic<Registry*> registry_now{nullptr};
   service::AdminServer::Options admin_options;
   admin_options.port = settings.admin_port;
   admin_options.program = "renderd";
-  admin_options.checks = {{"serving", [&] { return worker_now.load() != nullptr; }},
+  admin_options.checks = {{"redis",
+                           [&] {
+                             const Registry* registry = registry_now;
+                             return registry && registry->connected();
+                           }},
                           {"volume store", [dir = settings.volume_dir] {
                              return access(dir.c_str(), R_OK | X_OK) == 0;
                            }}};
@@ -159,6 +165,7 @@ int run(int argc, char** argv) {
          [&] { return worker.runner().busy_seconds(); }, [&] { return worker.volumes().loaded(); }},
         worker.host(), metrics);
     worker_now = &worker;
+    registry_now = &registry;
     log::info("serving", {{"engine", info.engine},
                           {"device", info.device},
                           {"port", (*server)->port()},
@@ -175,10 +182,11 @@ int run(int argc, char** argv) {
     worker.host().refuse_new();
     // The scenes first: whoever takes a session up again needs them.
     registry.drain(milliseconds(1000));
+    registry_now = nullptr;
+    worker_now = nullptr;
     worker.stop();
     (*server)->stop(milliseconds(1000));
   }
-  worker_now = nullptr;
   log::info("stopped");
   return 0;
 }

@@ -93,8 +93,11 @@ class Sink final : public FrameSink {
     return answer;
   }
   void coded(const FrameInfo& frame, Canvas, CodedFrame, double) override {
-    const std::lock_guard lock(mutex);
-    sent.push_back(frame.epoch);
+    {
+      const std::lock_guard lock(mutex);
+      sent.push_back(frame.epoch);
+    }
+    if (after) after();
   }
   void dropped(const FrameInfo&, const Error&) override { ++failures; }
 
@@ -103,6 +106,7 @@ class Sink final : public FrameSink {
   std::vector<std::uint64_t> judged;
   std::vector<std::uint64_t> sent;
   std::atomic<int> failures{0};
+  std::function<void()> after;
 };
 
 RenderedPicture of_epoch(std::uint64_t epoch) {
@@ -153,6 +157,15 @@ TEST_F(LaneTest, FramesOfOneSessionKeepTheirOrderOnManyThreads) {
   ASSERT_FALSE(sink->sent.empty());
   EXPECT_EQ(sink->sent.back(), 300U);
   EXPECT_EQ(sink->sent.size() + lane->skipped(), 300U);
+}
+
+TEST_F(LaneTest, APictureThatComesWhileOneIsEncodedIsNotForgotten) {
+  sink->after = [this, once = true]() mutable {
+    if (std::exchange(once, false)) lane->submit(of_epoch(2));
+  };
+  lane->submit(of_epoch(1));
+  settle();
+  EXPECT_EQ(sink->sent, (std::vector<std::uint64_t>{1, 2}));
 }
 
 TEST_F(LaneTest, ASessionWithoutRoomHoldsNoThread) {

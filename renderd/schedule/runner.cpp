@@ -232,16 +232,12 @@ bool Runner::converged(const Track& track) const {
 
 void Runner::apply_wanted(Track& track) {
   const auto refused = [&](const Error& why) {
-    const bool same_scene = track.applied_version == track.wanted.version;
-    if (track.applied_version) {
-      // The picture stays; neither this scene nor this size is tried again.
-      track.applied_version = track.wanted.version;
-      track.refused_size = track.planned;
-      track.planned = track.canvas;
-      if (!same_scene) track.client->refused(track.wanted, why);
-    } else {
-      drop(track, why);
-    }
+    if (!track.applied_version) return drop(track, why);
+    // The picture stays; neither this scene nor this size is tried again.
+    track.applied_version = track.wanted.version;
+    track.refused_size = track.planned;
+    track.planned = track.canvas;
+    track.client->refused(track.wanted, why);
   };
   auto taken = track.renderer->set_scene(*track.wanted.scene, track.planned);
   if (!taken) return refused(taken.error());

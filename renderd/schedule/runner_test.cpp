@@ -254,6 +254,22 @@ TEST_F(RunnerTest, ARefusedSceneKeepsThePictureAndTheNextOneIsTaken) {
   EXPECT_EQ(one->failure_count(), 0U);
 }
 
+TEST_F(RunnerTest, ASizeThatDoesNotFitIsToldOnceAndTheSmallerPictureGoesOn) {
+  device->seconds_per_megapixel = 8;
+  const auto one = viewer({200, 200});
+  ASSERT_TRUE(eventually([&] { return !one->pictures().empty(); }));
+  device->refuse_wider_than = 150;
+  one->turn(2);
+  runner.wake();
+  ASSERT_TRUE(eventually([&] { return one->refusal_count() == 1; }));
+  const std::uint64_t epoch = one->began_epoch;
+  std::this_thread::sleep_for(400ms);
+  EXPECT_EQ(one->refusal_count(), 1U);
+  EXPECT_EQ(one->began_epoch, epoch);
+  EXPECT_GE(one->pictures().back().info.samples, 2U) << "it goes on converging";
+  EXPECT_EQ(one->failure_count(), 0U);
+}
+
 TEST_F(RunnerTest, AViewerThatComesBackGetsThePictureThatIsThere) {
   const auto one = viewer();
   ASSERT_TRUE(eventually([&] {

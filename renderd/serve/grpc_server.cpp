@@ -1,5 +1,6 @@
 #include "renderd/serve/grpc_server.h"
 
+#include <grpc/support/log.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
@@ -56,6 +57,11 @@ grpc::Status status_for(const Error& error, Metrics& metrics) {
   const StatusName status = status_of(error.code);
   metrics.grpc_error(status.name);
   return {status.code, error.message};
+}
+
+// What gRPC itself has to say, as one of our lines.
+void log_line(gpr_log_func_args* line) {
+  if (line->severity == GPR_LOG_SEVERITY_ERROR) log::error("grpc", {{"message", line->message}});
 }
 
 // The writing side of one Attach: a queue, one write at a time, then the status. It outlives the
@@ -269,6 +275,7 @@ struct GrpcServer::Impl {
 Result<std::unique_ptr<GrpcServer>> GrpcServer::start(Options options, SessionHost& host,
                                                       StillService& stills, Metrics& metrics) {
   auto impl = std::make_unique<Impl>(host, stills, metrics);
+  gpr_set_log_function(log_line);
   grpc::EnableDefaultHealthCheckService(true);
   grpc::ServerBuilder builder;
   builder.SetMaxReceiveMessageSize(options.most_message_bytes);

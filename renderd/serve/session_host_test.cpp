@@ -75,7 +75,7 @@ struct HostTest : testing::Test {
   std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
   prometheus::Registry registry;
   Metrics metrics{registry};
-  ManualClock manual;
+  SharedManualClock manual;
   SystemClock system;
   const Clock& clock = system;
   RenderWorker::Options options;
@@ -201,6 +201,8 @@ TEST_F(HostTest, ASecondConnectionTakesOverFilmAndScene) {
   // The old connection's last words count no more.
   one.say(scene_message(6, config->config().scene()));
   one.attachment->closed();
+  for (const LiveSession::Saved& saved : worker->host().take_unsaved())
+    EXPECT_EQ(saved.input_seq, 5U);
   two.say(ack_message(1));
   EXPECT_EQ(worker->host().used(), 1U);
   EXPECT_FALSE(two.link->inbox.ended(50ms));

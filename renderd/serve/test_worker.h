@@ -16,6 +16,27 @@
 
 namespace diaphane::render {
 
+/// A clock that a test moves while others read it.
+class SharedManualClock final : public Clock {
+ public:
+  std::chrono::steady_clock::time_point now() const override {
+    const std::lock_guard lock(mutex_);
+    return clock_.now();
+  }
+  std::chrono::system_clock::time_point wall() const override {
+    const std::lock_guard lock(mutex_);
+    return clock_.wall();
+  }
+  void advance(std::chrono::nanoseconds by) {
+    const std::lock_guard lock(mutex_);
+    clock_.advance(by);
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  ManualClock clock_;
+};
+
 /// A volume store in a temporary directory, with a ball of "bone" in air.
 class TestStore {
  public:
