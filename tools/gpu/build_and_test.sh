@@ -3,7 +3,7 @@
 # CUDA 13, CMake 3.31 or later, Ninja, Protobuf and GoogleTest, and perhaps nothing else (docs/gpu.md).
 #   HEADERS  folder with include/{tl,nlohmann,CLI}, where the machine lacks them (tools/gpu/headers.sh)
 #   CRANIUM  the scene's volume (tools/gpu/cranium_volume.py); without it nothing is measured
-#   OUT      where logs, pictures and figures.json go; default out/
+#   OUT      where logs, pictures and render.json go; default out/
 #   STEPS    of "build unit gpu memcheck measure"; default all
 set -uo pipefail
 cd "$(dirname "$0")/../.."
@@ -50,37 +50,12 @@ if wants memcheck; then
 fi
 if wants measure && [[ -n $CRANIUM ]]; then
   render=("$BUILD/bin/diaphane-render" "$CRANIUM" --scene tests/scenes/cranium.json --quiet)
-  # Five runs each: median and spread over runs that each start the device anew.
-  for run in 1 2 3 4 5; do
-    "${render[@]}" --engine cuda --samples 2048 --seed $run --out "$OUT/cuda.ppm" --json "$OUT/cuda-512-$run.json"
-    "${render[@]}" --engine cuda --samples 512 --size 1920x1080 --seed $run --out "$OUT/cuda-hd.ppm" \
-      --json "$OUT/cuda-1080-$run.json"
-  done
-  "${render[@]}" --engine cpu --samples 256 --out "$OUT/cpu.ppm" --json "$OUT/cpu-512-1.json"
+  "${render[@]}" --engine cuda --samples 2048 --out "$OUT/cuda.ppm"
+  "${render[@]}" --engine cpu --samples 256 --out "$OUT/cpu.ppm"
   python3 tools/gpu/compare_ppm.py "$OUT/cuda.ppm" "$OUT/cpu.ppm"
+  rm "$OUT"/cuda.ppm "$OUT"/cpu.ppm
   "${render[@]}" --engine cuda --samples 2048 --out "$OUT/cranium.png" || true  # where libpng is
-  python3 - "$OUT" <<'EOF'
-import glob, json, statistics, sys
-out = sys.argv[1]
-figures = {}
-for name in ("cuda-512", "cuda-1080", "cpu-512"):
-    runs = [json.load(open(f)) for f in glob.glob(f"{out}/{name}-?.json")]
-    if not runs:
-        continue
-    per_sample = sorted(r["milliseconds"] / r["samples"] for r in runs)
-    ms = statistics.median(per_sample)
-    one = runs[0]
-    # The error falls as the square root of the samples.
-    to_5_percent = one["samples"] * (one["estimated_error"] / 0.05) ** 2
-    figures[name] = {"device": one["device"], "ms_per_sample": ms, "spread": per_sample[-1] - per_sample[0],
-                     "samples_per_second": one["width"] * one["height"] * 1e3 / ms,
-                     "samples_to_rmse_0.05": to_5_percent, "ms_to_rmse_0.05": to_5_percent * ms, "runs": runs}
-json.dump(figures, open(f"{out}/figures.json", "w"), indent=2)
-for name, f in figures.items():
-    print(f"{name:10} {f['device']:28} {f['ms_per_sample']:.4f} ms a sample (+-{f['spread'] / 2:.4f}), "
-          f"{f['samples_per_second'] / 1e6:.1f} M samples/s, RMSE 0.05 after {f['samples_to_rmse_0.05']:.0f} samples, "
-          f"{f['ms_to_rmse_0.05']:.1f} ms")
-EOF
-  rm -f "$OUT"/*.ppm "$OUT"/c*-?.json
+  DIAPHANE_CRANIUM=$CRANIUM python3 tools/gpu/bench.py "$BUILD" "$OUT/render.json" || failed=1
 fi
+cat "$OUT"/*.log > "$OUT/all.log" && rm "$OUT"/{configure,build,unit,gpu,memcheck,racecheck,initcheck}.log 2> /dev/null
 exit $failed
