@@ -9,6 +9,7 @@ namespace diaphane::api::stream {
 enum class CloseCode : std::uint16_t {
   kDone = 1000,
   kGoingAway = 1001,    ///< the gateway stops
+  kTooLarge = 1009,     ///< a message over the limit
   kInternal = 1011,     ///< a defect of ours
   kBusy = 1013,         ///< the gateway or Redis cannot take it now
   kMalformed = 4400,    ///< the client sent what is no message

@@ -137,7 +137,8 @@ void Connection::accept(const Request& request) {
     self->parser_.reset();
     if (error) return self->hub_.metrics.refused("handshake");
     self->accepted_ = true;
-    self->buffer_ = beast::flat_buffer(self->hub_.limits.message_bytes);
+    // Larger than the largest message: Beast's own limit is the one that answers with a close code.
+    self->buffer_ = beast::flat_buffer(2 * self->hub_.limits.message_bytes);
     self->redeem_ticket();
   });
 }
@@ -187,6 +188,7 @@ void Connection::on_ticket(Result<Attachment> redeemed) {
 
 void Connection::attach(Attachment attachment) {
   attachment_ = std::move(attachment);
+  alive_ = shared_from_this();
   hub_.metrics.stream_attached();
   {
     const std::lock_guard lock(key_mutex_);
@@ -225,9 +227,7 @@ void Connection::read_next() {
 void Connection::on_read(ErrorCodeOf error) {
   reading_ = false;
   if (error) {
-    if (error == websocket::error::message_too_big || error == websocket::error::buffer_overflow) {
-      hub_.metrics.closed(CloseCode::kMalformed);
-    }
+    if (error == websocket::error::message_too_big) hub_.metrics.closed(CloseCode::kTooLarge);
     return ended();  // the viewer left, was idle too long, or broke the protocol (Beast has
                      // answered that)
   }
@@ -398,6 +398,7 @@ void Connection::abort() {
 void Connection::ended() {
   if (ended_) return;
   ended_ = true;
+  const std::shared_ptr<Connection> alive = std::move(alive_);
   write_timer_.cancel();
   ErrorCodeOf ignored;
   if (!writing_) beast::get_lowest_layer(socket_).socket().close(ignored);

@@ -90,6 +90,8 @@ class Connection final : public LinkEvents, public std::enable_shared_from_this<
   std::string ticket_;
   std::optional<Attachment> attachment_;
   std::shared_ptr<WorkerLink> link_;
+  // While it is attached: with both directions held back, no operation would keep it.
+  std::shared_ptr<Connection> alive_;
   mutable std::mutex key_mutex_;
   std::string worker_key_;
 

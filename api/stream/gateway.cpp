@@ -63,6 +63,7 @@ struct Gateway::Impl {
     watch.async_wait([this](error_code ended) {
       if (ended) return;
       hub->run_blocking([shared = hub] {
+        shared->channels.drop_unused();
         const auto alive = shared->workers.alive();
         if (!alive) return;  // Redis is away, which says nothing of the workers
         std::set<std::string> keys;

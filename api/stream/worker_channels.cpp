@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <thread>
+#include <vector>
 
 namespace diaphane::api::stream {
 namespace {
@@ -44,9 +46,7 @@ class Socket {
 std::shared_ptr<grpc::Channel> WorkerChannels::to(const std::string& address,
                                                   const std::string& incarnation) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(channels_, [](const auto& entry) { return entry.second.expired(); });
-  std::weak_ptr<grpc::Channel>& known = channels_[address + "|" + incarnation];
-  std::shared_ptr<grpc::Channel> channel = known.lock();
+  std::shared_ptr<grpc::Channel>& channel = channels_[address + "|" + incarnation];
   if (!channel) {
     grpc::ChannelArguments arguments;
     arguments.SetMaxReceiveMessageSize(kMostMessageBytes);
@@ -57,9 +57,31 @@ std::shared_ptr<grpc::Channel> WorkerChannels::to(const std::string& address,
     arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 1000);
     arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
     channel = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
-    known = channel;
   }
   return channel;
+}
+
+void WorkerChannels::drop_unused() {
+  std::vector<std::shared_ptr<grpc::Channel>> dropped;  // declared first: ended after the lock
+  const std::lock_guard lock(mutex_);
+  std::erase_if(channels_, [&](const auto& entry) {
+    // Under the lock nobody can get it who has not got it already.
+    if (entry.second.use_count() > 1) return false;
+    dropped.push_back(entry.second);
+    return true;
+  });
+}
+
+WorkerChannels::~WorkerChannels() {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+  for (drop_unused(); !channels_.empty(); drop_unused()) {
+    if (std::chrono::steady_clock::now() > deadline) {
+      // Better never ended than ended on a wrong thread; the process stops anyway.
+      new auto(std::move(channels_));
+      return;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
 }
 
 bool accepts_connections(const std::string& address, std::chrono::milliseconds timeout) {

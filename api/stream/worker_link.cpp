@@ -81,8 +81,8 @@ void WorkerLink::finish() {
     // Nobody takes messages any more: what comes is read and dropped, until the end of the call.
     if (!reading_ && !reads_ended_) resume = reading_ = true;
   }
-  carry_out(step);
   if (resume) StartRead(&reply_);
+  carry_out(step);
 }
 
 void WorkerLink::cancel() {
@@ -153,18 +153,31 @@ void WorkerLink::OnDone(const grpc::Status& status) {
   if (const auto events = events_.lock()) events->on_link_ended(status);
 }
 
+void WorkerLink::OnWritesDoneDone(bool) {
+  Step step = Step::kNone;
+  {
+    const std::lock_guard lock(mutex_);
+    writing_ = false;
+    step = next_write();
+  }
+  carry_out(step);
+}
+
 WorkerLink::Step WorkerLink::next_write() {
-  if (writing_ || released_) return Step::kNone;
+  if (writing_) return Step::kNone;
   if (!writes_ended_ && !unsent_.empty()) {
     writing_ = true;
     request_.set_client_message(std::move(unsent_.front()));
     unsent_.pop_front();
     return Step::kWrite;
   }
-  if (!writes_ended_ && !finishing_) return Step::kNone;
-  released_ = true;
-  const bool say_so = finishing_ && !std::exchange(writes_ended_, true);
-  return say_so ? Step::kWritesDone : Step::kRelease;
+  if (!writes_ended_ && finishing_) {
+    writing_ = writes_ended_ = true;
+    return Step::kWritesDone;
+  }
+  // Until the reads have ended somebody may start one; afterwards nothing is started any more.
+  if (reads_ended_ && !std::exchange(released_, true)) return Step::kRelease;
+  return Step::kNone;
 }
 
 void WorkerLink::carry_out(Step step) {
@@ -176,7 +189,6 @@ void WorkerLink::carry_out(Step step) {
       break;
     case Step::kWritesDone:
       StartWritesDone();
-      RemoveHold();
       break;
     case Step::kRelease:
       RemoveHold();

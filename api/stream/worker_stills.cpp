@@ -45,6 +45,7 @@ Result<std::string> WorkerStills::render(const StillRequest& request) {
     return rank(a) < rank(b);
   });
 
+  channels_.drop_unused();
   v1::StillRequest wanted;
   wanted.set_volume_id(request.data_set_id);
   wanted.set_preset(request.preset);

@@ -1,0 +1,197 @@
+#pragma once
+
+#include <grpcpp/grpcpp.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "api/proto/worker.grpc.pb.h"
+#include "api/service/placement.h"
+#include "api/service/workers.h"
+#include "common/ids.h"
+
+// What the gateway's tests put in the place of Redis and of renderd, to force what those do not do
+// on demand.
+namespace diaphane::api::stream {
+
+/// Tickets, sessions and workers in memory.
+class FakePlaces final : public Placement, public Tickets, public Workers {
+ public:
+  /// A ticket for a session of `user` on the worker at `address`.
+  std::string issue(const std::string& address, const std::string& user = new_id()) {
+    const std::lock_guard lock(mutex_);
+    Attachment attachment;
+    attachment.session = {new_id(), user, new_id(), "worker"};
+    attachment.address = address;
+    attachment.incarnation = "one";
+    attachment.placement = 7;
+    sessions_[attachment.session.id] = attachment.session;
+    const std::string ticket = random_hex(32);
+    tickets_.emplace(ticket, attachment);
+    return ticket;
+  }
+  void change(const std::string& ticket, const std::function<void(Attachment&)>& change) {
+    const std::lock_guard lock(mutex_);
+    change(tickets_.at(ticket));
+  }
+  void move_all_sessions_to(const std::string& worker) {
+    const std::lock_guard lock(mutex_);
+    for (auto& [id, session] : sessions_) session.worker_id = worker;
+  }
+  void end_all_sessions() {
+    const std::lock_guard lock(mutex_);
+    sessions_.clear();
+  }
+  void set_away(bool away) { away_ = away; }
+  void set_alive(bool alive) { alive_ = alive; }
+  std::vector<std::string> lost_workers() {
+    const std::lock_guard lock(mutex_);
+    return lost_;
+  }
+
+  Result<Attachment> consume(std::string_view ticket) override {
+    const std::lock_guard lock(mutex_);
+    if (away_) return fail(ErrorCode::kUnavailable, "away");
+    const auto found = tickets_.find(std::string(ticket));
+    if (found == tickets_.end()) return fail(ErrorCode::kUnauthenticated, "no such ticket");
+    Attachment attachment = found->second;
+    tickets_.erase(found);
+    if (!sessions_.contains(attachment.session.id)) return fail(ErrorCode::kNotFound, "gone");
+    return attachment;
+  }
+  Result<SessionInfo> find(std::string_view id) override {
+    const std::lock_guard lock(mutex_);
+    const auto found = sessions_.find(std::string(id));
+    if (found == sessions_.end()) return fail(ErrorCode::kNotFound, "gone");
+    return found->second;
+  }
+  Result<std::vector<WorkerInfo>> alive() override {
+    const std::lock_guard lock(mutex_);
+    if (away_) return fail(ErrorCode::kUnavailable, "away");
+    if (!alive_) return std::vector<WorkerInfo>{};
+    return alive_workers;
+  }
+  Result<bool> lost(std::string_view worker, std::string_view incarnation) override {
+    const std::lock_guard lock(mutex_);
+    lost_.push_back(std::string(worker) + "|" + std::string(incarnation));
+    return true;
+  }
+  Result<Placed> place(const PlaceRequest&) override { return fail(ErrorCode::kInternal, ""); }
+  Result<std::vector<SessionInfo>> sessions_of(std::string_view) override {
+    return fail(ErrorCode::kInternal, "");
+  }
+  Result<void> end(std::string_view) override { return {}; }
+  Result<void> end_all_of(std::string_view) override { return {}; }
+  bool reachable() override { return true; }
+
+  std::vector<WorkerInfo> alive_workers{{"worker", "", "one", 4, 0, false, {}}};
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, Attachment> tickets_;
+  std::map<std::string, SessionInfo> sessions_;
+  std::vector<std::string> lost_;
+  std::atomic<bool> away_ = false, alive_ = true;
+};
+
+/// A render worker whose Attach does what a test wants, on a real port.
+class FakeWorker final : public diaphane::v1::RenderWorker::Service {
+ public:
+  using Stream = grpc::ServerReaderWriter<diaphane::v1::AttachReply, diaphane::v1::AttachRequest>;
+  using Behaviour = std::function<grpc::Status(grpc::ServerContext&, Stream&)>;
+
+  explicit FakeWorker(Behaviour behaviour = echo()) : behaviour_(std::move(behaviour)) {
+    grpc::ServerBuilder builder;
+    builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port_);
+    builder.RegisterService(this);
+    server_ = builder.BuildAndStart();
+  }
+  ~FakeWorker() override { die(); }
+
+  std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+  /// Connections break and the port closes, as with a killed process.
+  void die() {
+    if (server_) server_->Shutdown(std::chrono::system_clock::now());
+  }
+
+  static Behaviour echo() {
+    return [](grpc::ServerContext&, Stream& stream) {
+      diaphane::v1::AttachRequest request;
+      while (stream.Read(&request)) {
+        diaphane::v1::AttachReply reply;
+        reply.set_server_message(request.client_message());
+        if (!stream.Write(reply)) break;
+      }
+      return grpc::Status::OK;
+    };
+  }
+  static Behaviour ending(grpc::StatusCode code) {
+    return [code](grpc::ServerContext&, Stream&) { return grpc::Status(code, "as wanted"); };
+  }
+  /// Writes messages of `bytes` for as long as the call lives.
+  static Behaviour flood(std::size_t bytes) {
+    return [bytes](grpc::ServerContext& context, Stream& stream) {
+      diaphane::v1::AttachReply reply;
+      reply.set_server_message(std::string(bytes, 'x'));
+      while (!context.IsCancelled() && stream.Write(reply)) {
+      }
+      return grpc::Status::OK;
+    };
+  }
+
+  /// What came, in order; waits until there are `count` or 5 s have passed.
+  std::vector<std::string> received(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::seconds(5), [&] { return received_.size() >= count; });
+    return received_;
+  }
+  bool calls_ended(int count) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::seconds(5), [&] { return ended_ >= count; });
+  }
+  void note(const std::string& message) {
+    const std::lock_guard lock(mutex_);
+    received_.push_back(message);
+    changed_.notify_all();
+  }
+  diaphane::v1::Open last_open() {
+    const std::lock_guard lock(mutex_);
+    return open_;
+  }
+
+  grpc::Status Attach(grpc::ServerContext* context, Stream* stream) override {
+    diaphane::v1::AttachRequest first;
+    if (stream->Read(&first)) {
+      const std::lock_guard lock(mutex_);
+      open_ = first.open();
+    }
+    const grpc::Status status = behaviour_(*context, *stream);
+    const std::lock_guard lock(mutex_);
+    ++ended_;
+    changed_.notify_all();
+    return status;
+  }
+  grpc::Status RenderStill(grpc::ServerContext*, const diaphane::v1::StillRequest* request,
+                           diaphane::v1::StillReply* reply) override {
+    if (request->preset() == "missing") return {grpc::StatusCode::NOT_FOUND, ""};
+    reply->set_jpeg("jpeg of " + request->volume_id() + " " + request->preset());
+    return grpc::Status::OK;
+  }
+
+ private:
+  Behaviour behaviour_;
+  int port_ = 0;
+  std::unique_ptr<grpc::Server> server_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<std::string> received_;
+  diaphane::v1::Open open_;
+  int ended_ = 0;
+};
+
+}  // namespace diaphane::api::stream

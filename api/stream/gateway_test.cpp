@@ -1,0 +1,468 @@
+#include "api/stream/gateway.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <prometheus/text_serializer.h>
+
+#include <atomic>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+#include <thread>
+
+#include "api/stream/fake_parts.h"
+#include "api/stream/hub.h"
+#include "api/stream/test_viewer.h"
+#include "api/stream/worker_stills.h"
+
+namespace diaphane::api::stream {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using std::chrono::steady_clock;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class GatewayTest : public testing::Test {
+ protected:
+  void start(const GatewayLimits& limits = {}) {
+    gateway_.reset();
+    registry_ = std::make_unique<prometheus::Registry>();
+    auto started = Gateway::start({.public_url = "https://scans.example/"}, limits, places_,
+                                  places_, places_, *registry_);
+    ASSERT_TRUE(started) << started.error().message;
+    gateway_ = std::move(*started);
+  }
+  TestViewer viewer(int receive_buffer = 0) { return TestViewer(gateway_->port(), receive_buffer); }
+  /// A viewer who has entered; its first message came back.
+  std::unique_ptr<TestViewer> attached(const FakeWorker& worker,
+                                       const std::string& user = new_id()) {
+    auto one = std::make_unique<TestViewer>(gateway_->port());
+    EXPECT_TRUE(one->enter(places_.issue(worker.address(), user)));
+    one->send("hello");
+    EXPECT_EQ(one->receive(), "hello");
+    return one;
+  }
+  std::string metrics() { return prometheus::TextSerializer().Serialize(registry_->Collect()); }
+  void wait_for_metric(const std::string& line) {
+    for (int i = 0; i < 100 && metrics().find(line) == std::string::npos; ++i) {
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+    EXPECT_THAT(metrics(), HasSubstr(line));
+  }
+
+  FakePlaces places_;
+  std::unique_ptr<prometheus::Registry> registry_;
+  std::unique_ptr<Gateway> gateway_;
+};
+
+TEST_F(GatewayTest, MessagesPassUnreadBothWays) {
+  FakeWorker worker;
+  start();
+  TestViewer one = viewer();
+  ASSERT_TRUE(one.enter(places_.issue(worker.address())));
+  EXPECT_EQ(one.answered_subprotocol(), "diaphane.v1");
+  for (const std::string& message :
+       {std::string("\0\xff\r\n", 4), std::string(64 * 1024, 'm'), std::string()}) {
+    ASSERT_TRUE(one.send(message));
+    EXPECT_EQ(one.receive(), message);
+  }
+  wait_for_metric("diaphane_stream_messages_total{direction=\"to_viewer\"} 3");
+  wait_for_metric("diaphane_stream_attached 1");
+}
+
+TEST_F(GatewayTest, OrderIsKeptThroughFullQueues) {
+  FakeWorker worker;
+  start();
+  const auto one = attached(worker);
+  std::thread sender([&] {
+    for (int i = 0; i < 500; ++i) one->send(std::to_string(i));
+  });
+  sender.join();
+  for (int i = 0; i < 500; ++i) ASSERT_EQ(one->receive(), std::to_string(i));
+}
+
+TEST_F(GatewayTest, OpenSaysWhatIsKnownOfTheSession) {
+  FakeWorker worker;
+  start();
+  const std::string ticket = places_.issue(worker.address());
+  std::string session, volume;
+  places_.change(ticket, [&](Attachment& attachment) {
+    diaphane::v1::Scene scene;
+    scene.mutable_phase()->set_g(0.25);
+    attachment.scene = scene.SerializeAsString();
+    attachment.input_seq = 12;
+    attachment.width = 640;
+    attachment.height = 480;
+    session = attachment.session.id;
+    volume = attachment.session.data_set_id;
+  });
+  TestViewer one = viewer();
+  ASSERT_TRUE(one.enter(ticket));
+  one.send("x");
+  ASSERT_TRUE(one.receive());
+  const diaphane::v1::Open open = worker.last_open();
+  EXPECT_EQ(open.session_id(), session);
+  EXPECT_EQ(open.volume_id(), volume);
+  EXPECT_EQ(open.placement(), 7u);
+  EXPECT_EQ(open.scene().phase().g(), 0.25);
+  EXPECT_EQ(open.input_seq(), 12u);
+  EXPECT_EQ(open.viewport().width(), 640u);
+}
+
+TEST_F(GatewayTest, AHandshakeThatIsNotOurPagesIsRefused) {
+  FakeWorker worker;
+  start();
+  const std::string ticket = places_.issue(worker.address());
+  const std::string target = "/stream?ticket=" + ticket;
+  const auto status = [&](const std::string& wanted, const char* origin, const char* subprotocol) {
+    return viewer().status_of_handshake(wanted, origin, subprotocol);
+  };
+  EXPECT_EQ(status(target, "https://evil.example", "diaphane.v1"), 403u);
+  EXPECT_EQ(status(target, "", "diaphane.v1"), 403u);
+  EXPECT_EQ(status(target, TestViewer::kOrigin, ""), 400u);
+  EXPECT_EQ(status(target, TestViewer::kOrigin, "diaphane.v2"), 400u);
+  EXPECT_EQ(status("/other?ticket=" + ticket, TestViewer::kOrigin, "diaphane.v1"), 400u);
+  EXPECT_EQ(status("/stream?ticket=abc", TestViewer::kOrigin, "diaphane.v1"), 400u);
+  // None of them used the ticket up.
+  EXPECT_TRUE(viewer().enter(ticket));
+  wait_for_metric("diaphane_stream_refusals_total{reason=\"origin\"} 2");
+}
+
+TEST_F(GatewayTest, ATicketThatIsUnknownOrUsedClosesWith4401) {
+  FakeWorker worker;
+  start();
+  const std::string ticket = places_.issue(worker.address());
+  TestViewer first = viewer(), second = viewer(), third = viewer();
+  ASSERT_TRUE(first.enter(ticket));
+  ASSERT_TRUE(second.enter(ticket));
+  EXPECT_EQ(second.close_code(), 4401);
+  ASSERT_TRUE(third.enter(std::string(64, '0')));
+  EXPECT_EQ(third.close_code(), 4401);
+  first.send("still here");
+  EXPECT_EQ(first.receive(), "still here");
+}
+
+TEST_F(GatewayTest, AnEndedSessionCloses4404AndAnAbsentRedis4503) {
+  FakeWorker worker;
+  start();
+  const std::string gone = places_.issue(worker.address());
+  places_.end_all_sessions();
+  TestViewer first = viewer(), second = viewer();
+  ASSERT_TRUE(first.enter(gone));
+  EXPECT_EQ(first.close_code(), 4404);
+  const std::string ticket = places_.issue(worker.address());
+  places_.set_away(true);
+  ASSERT_TRUE(second.enter(ticket));
+  EXPECT_EQ(second.close_code(), 4503);
+}
+
+TEST_F(GatewayTest, WhatTheWorkerSaysAtTheEndBecomesACode) {
+  start();
+  using grpc::StatusCode;
+  const std::pair<StatusCode, int> cases[] = {
+      {StatusCode::OK, 1000},        {StatusCode::INVALID_ARGUMENT, 4400},
+      {StatusCode::NOT_FOUND, 4404}, {StatusCode::RESOURCE_EXHAUSTED, 4429},
+      {StatusCode::ABORTED, 4409},   {StatusCode::UNAVAILABLE, 4503},
+      {StatusCode::INTERNAL, 4503},  {StatusCode::PERMISSION_DENIED, 1011},
+  };
+  for (const auto& [status, code] : cases) {
+    FakeWorker worker(FakeWorker::ending(status));
+    TestViewer one = viewer();
+    ASSERT_TRUE(one.enter(places_.issue(worker.address())));
+    EXPECT_EQ(one.close_code(), code) << "gRPC status " << status;
+  }
+  EXPECT_TRUE(places_.lost_workers().empty()) << "a worker that can be reached is not lost";
+}
+
+TEST_F(GatewayTest, ASessionThatMovedOrEndedIsNotCalledTakenOver) {
+  start();
+  FakeWorker worker([](grpc::ServerContext&, FakeWorker::Stream& stream) {
+    diaphane::v1::AttachRequest request;
+    stream.Read(&request);
+    return grpc::Status(grpc::StatusCode::ABORTED, "");
+  });
+  TestViewer moved = viewer(), ended = viewer();
+  ASSERT_TRUE(moved.enter(places_.issue(worker.address())));
+  places_.move_all_sessions_to("another");
+  moved.send("now");
+  EXPECT_EQ(moved.close_code(), 4503);
+  ASSERT_TRUE(ended.enter(places_.issue(worker.address())));
+  std::this_thread::sleep_for(milliseconds(100));
+  places_.end_all_sessions();
+  ended.send("now");
+  EXPECT_EQ(ended.close_code(), 4404);
+}
+
+TEST_F(GatewayTest, WhatTheWorkerSaidLastArrivesBeforeTheClose) {
+  start();
+  FakeWorker worker([](grpc::ServerContext&, FakeWorker::Stream& stream) {
+    diaphane::v1::AttachReply reply;
+    for (int i = 0; i < 10; ++i) {
+      reply.set_server_message(std::to_string(i));
+      stream.Write(reply);
+    }
+    return grpc::Status(grpc::StatusCode::ABORTED, "");
+  });
+  TestViewer one = viewer();
+  ASSERT_TRUE(one.enter(places_.issue(worker.address())));
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(one.receive(), std::to_string(i));
+  EXPECT_EQ(one.close_code(), 4409);
+}
+
+TEST_F(GatewayTest, AWorkerThatDiesIsForgottenBeforeTheViewerIsTold) {
+  FakeWorker worker;
+  start();
+  const auto one = attached(worker);
+  worker.die();
+  EXPECT_EQ(one->close_code(), 4503);
+  EXPECT_THAT(places_.lost_workers(), ElementsAre("worker|one"));
+}
+
+TEST_F(GatewayTest, AWorkerThatIsAwayIsForgotten) {
+  std::string address;
+  {
+    FakeWorker dead;
+    address = dead.address();
+  }
+  start();
+  TestViewer one = viewer();
+  const auto begin = steady_clock::now();
+  ASSERT_TRUE(one.enter(places_.issue(address)));
+  EXPECT_EQ(one.close_code(), 4503);
+  EXPECT_LT(steady_clock::now() - begin, seconds(2));
+  EXPECT_THAT(places_.lost_workers(), ElementsAre("worker|one"));
+}
+
+TEST_F(GatewayTest, AWorkerThatNeverTakesTheCallIsGivenUp) {
+  boost::asio::io_context io;
+  boost::asio::ip::tcp::acceptor mute(io, {boost::asio::ip::make_address("127.0.0.1"), 0});
+  start({.attach = milliseconds(300)});
+  TestViewer one = viewer();
+  const auto begin = steady_clock::now();
+  ASSERT_TRUE(
+      one.enter(places_.issue("127.0.0.1:" + std::to_string(mute.local_endpoint().port()))));
+  EXPECT_EQ(one.close_code(), 4503);
+  EXPECT_LT(steady_clock::now() - begin, seconds(2));
+}
+
+TEST_F(GatewayTest, AWorkerWhoseHeartbeatStopsIsLeft) {
+  FakeWorker worker;
+  start({.watch = milliseconds(100)});
+  const auto one = attached(worker);
+  std::this_thread::sleep_for(milliseconds(400));
+  one->send("still here");
+  EXPECT_EQ(one->receive(), "still here");
+  places_.set_alive(false);
+  EXPECT_EQ(one->close_code(), 4503);
+}
+
+TEST_F(GatewayTest, StreamsGoOnWhileRedisIsAway) {
+  FakeWorker worker;
+  start({.watch = milliseconds(50)});
+  const auto one = attached(worker);
+  places_.set_away(true);
+  std::this_thread::sleep_for(milliseconds(400));
+  one->send("still here");
+  EXPECT_EQ(one->receive(), "still here");
+}
+
+TEST_F(GatewayTest, TextAndTooLargeAndTooManyMessagesClose) {
+  FakeWorker worker;
+  start({.messages_per_second = 100});
+  const auto text = attached(worker), large = attached(worker), many = attached(worker);
+  text->send_text("hello");
+  EXPECT_EQ(text->close_code(), 4400);
+  large->send(std::string(64 * 1024 + 1, 'x'));
+  EXPECT_EQ(large->close_code(), 1009);
+  for (int i = 0; i < 300; ++i) many->send("x");
+  EXPECT_EQ(many->close_code(), 4429);
+}
+
+TEST_F(GatewayTest, AViewerThatStopsReadingIsClosedAndSlowsNobody) {
+  FakeWorker flood(FakeWorker::flood(300'000)), worker;
+  start({.write = milliseconds(1000)});
+  TestViewer stalled = viewer(4096);
+  ASSERT_TRUE(stalled.enter(places_.issue(flood.address())));
+  const auto other = attached(worker);
+  const auto begin = steady_clock::now();
+  steady_clock::duration slowest{0};
+  while (steady_clock::now() - begin < milliseconds(1800)) {
+    const auto sent = steady_clock::now();
+    ASSERT_TRUE(other->send("ping"));
+    ASSERT_EQ(other->receive(), "ping");
+    slowest = std::max(slowest, steady_clock::now() - sent);
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  EXPECT_LT(slowest, milliseconds(250));
+  wait_for_metric("diaphane_stream_slow_viewers_total 1");
+  EXPECT_TRUE(flood.calls_ended(1)) << "its worker is freed";
+}
+
+TEST_F(GatewayTest, AViewerThatReadsSlowlyHoldsTheWorkerBackAndLosesNothing) {
+  std::atomic<int> written = 0;
+  FakeWorker worker([&](grpc::ServerContext&, FakeWorker::Stream& stream) {
+    diaphane::v1::AttachReply reply;
+    for (int i = 0; i < 200; ++i) {
+      reply.set_server_message(std::to_string(i) + std::string(100'000, ' '));
+      if (!stream.Write(reply)) break;
+      ++written;
+    }
+    return grpc::Status::OK;
+  });
+  start();
+  TestViewer one = viewer(4096);
+  ASSERT_TRUE(one.enter(places_.issue(worker.address())));
+  std::this_thread::sleep_for(milliseconds(700));
+  EXPECT_LT(written, 150) << "20 MB must not pile up anywhere";
+  for (int i = 0; i < 200; ++i) {
+    const auto message = one.receive();
+    ASSERT_TRUE(message);
+    EXPECT_EQ(std::stoi(*message), i);
+  }
+  EXPECT_EQ(one.close_code(), 1000);
+}
+
+TEST_F(GatewayTest, WhatAViewerSentLastReachesTheWorkerAfterItLeft) {
+  FakeWorker* self = nullptr;
+  FakeWorker worker([&](grpc::ServerContext&, FakeWorker::Stream& stream) {
+    diaphane::v1::AttachRequest request;
+    while (stream.Read(&request)) {
+      self->note(request.client_message());
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+    return grpc::Status::OK;
+  });
+  self = &worker;
+  start();
+  {
+    TestViewer one = viewer();
+    ASSERT_TRUE(one.enter(places_.issue(worker.address())));
+    for (int i = 0; i < 20; ++i) one.send(std::to_string(i));
+    one.leave();
+  }
+  EXPECT_EQ(worker.received(20).size(), 20u);
+  EXPECT_TRUE(worker.calls_ended(1));
+}
+
+TEST_F(GatewayTest, AViewerThatVanishesFreesItsWorker) {
+  FakeWorker worker;
+  start();
+  {
+    const auto one = attached(worker);
+    one->tcp().set_option(boost::asio::socket_base::linger(true, 0));
+    one->tcp().close();
+  }
+  EXPECT_TRUE(worker.calls_ended(1));
+  wait_for_metric("diaphane_stream_connections 0");
+}
+
+TEST_F(GatewayTest, AnIdleViewerIsKeptWhenItAnswersAndClosedWhenItDoesNot) {
+  FakeWorker worker;
+  start({.idle = milliseconds(400)});
+  const auto mute = attached(worker), answering = attached(worker);
+  std::thread reader([&] { EXPECT_FALSE(answering->receive(milliseconds(1200))) << "only pings"; });
+  wait_for_metric("diaphane_stream_attached 1");
+  reader.join();
+}
+
+TEST_F(GatewayTest, TooManyConnectionsOfAllOrOfOnePersonAreRefused) {
+  FakeWorker worker;
+  start({.connections = 3, .connections_per_user = 1});
+  const std::string user = new_id();
+  const auto first = attached(worker, user);
+  TestViewer same = viewer();
+  ASSERT_TRUE(same.enter(places_.issue(worker.address(), user)));
+  EXPECT_EQ(same.close_code(), 4429);
+  wait_for_metric("diaphane_stream_connections 1");
+  const auto second = attached(worker), third = attached(worker);
+  EXPECT_FALSE(viewer().enter(places_.issue(worker.address())));
+  first->leave();
+  wait_for_metric("diaphane_stream_connections 2");
+  attached(worker, user);
+}
+
+TEST_F(GatewayTest, ASlowOrOverlongHandshakeIsEnded) {
+  start({.handshake = milliseconds(300)});
+  boost::asio::io_context io;
+  const auto talk = [&](const std::string& text, milliseconds between) {
+    boost::asio::ip::tcp::socket socket(io);
+    socket.connect({boost::asio::ip::make_address("127.0.0.1"), gateway_->port()});
+    boost::system::error_code error;
+    for (std::size_t at = 0; at < text.size() && !error; at += 1024) {
+      boost::asio::write(socket, boost::asio::buffer(text.substr(at, 1024)), error);
+      std::this_thread::sleep_for(between);
+    }
+    std::string answer;
+    boost::asio::read(socket, boost::asio::dynamic_buffer(answer), error);
+    return answer.substr(0, answer.find('\r'));
+  };
+  const auto begin = steady_clock::now();
+  EXPECT_EQ(talk("", milliseconds(0)), "");
+  EXPECT_EQ(talk("GET /stream HTTP/1.1\r\n", milliseconds(0)), "");
+  EXPECT_LT(steady_clock::now() - begin, seconds(2));
+  EXPECT_EQ(talk("GET / HTTP/1.1\r\nHost: x\r\n\r\n", milliseconds(0)),
+            "HTTP/1.1 426 Upgrade Required");
+  EXPECT_EQ(talk("\x16\x03\x01 garbage\r\n\r\n", milliseconds(0)), "");
+  EXPECT_THAT(talk("GET / HTTP/1.1\r\nX: " + std::string(20'000, 'x'), milliseconds(0)),
+              testing::AnyOf("", HasSubstr("431")));
+  wait_for_metric("diaphane_stream_connections 0");
+}
+
+TEST_F(GatewayTest, StoppingTellsEachViewerToComeBack) {
+  FakeWorker worker;
+  start();
+  const auto one = attached(worker), two = attached(worker);
+  const auto begin = steady_clock::now();
+  std::thread stopping([&] { gateway_->stop(seconds(2)); });
+  EXPECT_EQ(one->close_code(), 1001);
+  EXPECT_EQ(two->close_code(), 1001);
+  stopping.join();
+  EXPECT_LT(steady_clock::now() - begin, seconds(2));
+  EXPECT_TRUE(worker.calls_ended(2));
+}
+
+TEST_F(GatewayTest, StoppingWaitsForNobodyLongerThanItsGrace) {
+  FakeWorker worker(FakeWorker::flood(300'000));
+  start();
+  TestViewer stalled = viewer(4096);
+  ASSERT_TRUE(stalled.enter(places_.issue(worker.address())));
+  std::this_thread::sleep_for(milliseconds(200));
+  const auto begin = steady_clock::now();
+  gateway_->stop(milliseconds(300));
+  EXPECT_LT(steady_clock::now() - begin, seconds(2));
+}
+
+TEST_F(GatewayTest, ATakenPortAndABadAddressAreSaid) {
+  start();
+  prometheus::Registry registry;
+  const auto taken = Gateway::start({.port = gateway_->port(), .public_url = "https://x"}, places_,
+                                    places_, places_, registry);
+  ASSERT_FALSE(taken);
+  EXPECT_EQ(taken.error().code, ErrorCode::kUnavailable);
+  prometheus::Registry another;
+  EXPECT_EQ(Gateway::start({.public_url = "x"}, places_, places_, places_, another).error().code,
+            ErrorCode::kInvalid);
+}
+
+TEST_F(GatewayTest, AStillComesFromAWorkerThatHasTheVolumeAndFromTheNextWhenItIsAway) {
+  FakeWorker worker;
+  std::string dead_address;
+  {
+    FakeWorker dead;
+    dead_address = dead.address();
+  }
+  WorkerStills stills(places_);
+  const StillRequest request{.data_set_id = "volume", .preset = "bone"};
+  places_.alive_workers = {{"b", worker.address(), "one", 4, 3, false, {}},
+                           {"a", dead_address, "one", 4, 0, false, {"volume"}}};
+  EXPECT_EQ(stills.render(request).value_or(""), "jpeg of volume bone");
+  places_.alive_workers = {{"b", worker.address(), "one", 4, 3, true, {}}};
+  EXPECT_EQ(stills.render(request).error().code, ErrorCode::kUnavailable) << "it drains";
+  places_.alive_workers = {{"b", worker.address(), "one", 4, 3, false, {}}};
+  EXPECT_EQ(stills.render({.data_set_id = "volume", .preset = "missing"}).error().code,
+            ErrorCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace diaphane::api::stream
