@@ -29,7 +29,7 @@ class Worker {
     std::string volume_dir;
     std::chrono::milliseconds poll{500};
     std::chrono::milliseconds renew{1500};
-    std::chrono::milliseconds drain{2500};  ///< how long a build may go on once a stop is wanted
+    std::chrono::milliseconds drain{1500};  ///< how long a build may go on once a stop is wanted
     int most_attempts = 3;
   };
 
