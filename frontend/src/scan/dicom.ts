@@ -1,4 +1,5 @@
 import dicomParser, { type DataSet } from "dicom-parser";
+import { kept_element, wanted_tags } from "./clean_file";
 import type { SliceHeader } from "./types";
 
 /** The only place that knows dicom-parser. */
@@ -11,6 +12,7 @@ export type HeaderRead =
 
 const explicit_little = "1.2.840.10008.1.2.1";
 const implicit_little = "1.2.840.10008.1.2";
+const big_endian = "1.2.840.10008.1.2.2";
 export const deflated_little = "1.2.840.10008.1.2.1.99";
 const pixel_data = "x7fe00010";
 
@@ -92,7 +94,7 @@ function header_of(data: DataSet, form: Form, file: number, file_bytes: number):
   const center = data.floatString("x00281050");
   const width = data.floatString("x00281051");
   const element = data.elements[pixel_data];
-  const plain = (syntax === explicit_little || syntax === implicit_little) && element !== undefined;
+  const native = [explicit_little, implicit_little, big_endian].includes(syntax) && element !== undefined;
   const wanted = (rows * columns * frames * samples * bits_allocated) / 8;
   const offset = element ? element.dataOffset - form.shift : 0;
   return {
@@ -127,10 +129,23 @@ function header_of(data: DataSet, form: Form, file: number, file_bytes: number):
     pixel_spacing: numbers(data, "x00280030", 2) as [number, number] | null,
     position: numbers(data, "x00200032", 3) as [number, number, number] | null,
     orientation: numbers(data, "x00200037", 6) as SliceHeader["orientation"],
-    pixels: plain ? { offset, length: wanted } : null,
-    truncated: element === undefined || (plain && (element.length < wanted || offset + wanted > file_bytes)),
+    pixels: native && syntax !== big_endian ? { offset, length: wanted } : null,
+    // The end of compressed voxels is found by going through their fragments (read_file.ts).
+    voxels: element
+      ? { from: offset, to: native ? offset + wanted + (wanted % 2) : file_bytes, vr: element.vr === "OB" ? "OB" : "OW", encapsulated: !native }
+      : null,
+    kept: wanted_tags.flatMap((tag) => {
+      const found = data.elements[tag];
+      const bytes = found && bytes_of(data).subarray(found.dataOffset, found.dataOffset + found.length);
+      return (bytes && kept_element(tag, found.vr ?? "", bytes)) ?? [];
+    }),
+    truncated: element === undefined || (native && (element.length < wanted || offset + wanted > file_bytes)),
   };
 }
+
+/** Typed with Node's Buffer, which a browser has not. */
+// eslint-disable-next-line @typescript-eslint/no-unsafe-return
+const bytes_of = (data: DataSet): Uint8Array => data.byteArray;
 
 function numbers(data: DataSet, tag: string, count: number): number[] | null {
   const values = (data.string(tag) ?? "").split("\\").map((part) => (part.trim() === "" ? Number.NaN : Number(part)));
@@ -156,8 +171,7 @@ function text_reader(data: DataSet): (tag: string) => string {
   return (tag) => {
     const element = data.elements[tag];
     if (!element) return "";
-    const all = data.byteArray as unknown as Uint8Array; // typed with Node's Buffer, which a browser has not
-    const bytes = all.subarray(element.dataOffset, element.dataOffset + element.length);
+    const bytes = bytes_of(data).subarray(element.dataOffset, element.dataOffset + element.length);
     return decoder.decode(bytes).replaceAll("\0", "").trim();
   };
 }

@@ -26,7 +26,7 @@ const image_classes: Readonly<Record<string, "plain" | "multi_frame" | "screensh
 };
 
 const transfer_syntaxes = new Set([
-  "1.2.840.10008.1.2", "1.2.840.10008.1.2.1", "1.2.840.10008.1.2.2", "1.2.840.10008.1.2.1.99", "1.2.840.10008.1.2.5",
+  "1.2.840.10008.1.2", "1.2.840.10008.1.2.1", "1.2.840.10008.1.2.2", "1.2.840.10008.1.2.5", // not deflated: names cannot be cut out
   "1.2.840.10008.1.2.4.50", "1.2.840.10008.1.2.4.51", "1.2.840.10008.1.2.4.57", "1.2.840.10008.1.2.4.70",
   "1.2.840.10008.1.2.4.80", "1.2.840.10008.1.2.4.81", "1.2.840.10008.1.2.4.90", "1.2.840.10008.1.2.4.91",
 ]);
@@ -113,7 +113,6 @@ function judge_geometry(slices: readonly SliceHeader[], left_out: LeftOut): Suit
   return {
     suitable: true,
     files: ordered.map((slice) => slice.file),
-    bytes: ordered.reduce((sum, slice) => sum + slice.file_bytes, 0),
     size: [first.columns, first.rows, ordered.length],
     size_mm: [first.columns * first.pixel_spacing[1], first.rows * first.pixel_spacing[0], ordered.length * spacing],
     left_out,

@@ -1,4 +1,5 @@
 import { deflated_from, read_header, type HeaderRead } from "./dicom";
+import type { SliceHeader } from "./types";
 
 /** 64 KB hold nearly every header; then 256 KB; then the whole file, up to a bound that no header reaches. */
 const steps = [64 * 1024, 256 * 1024, 64 * 1024 * 1024];
@@ -13,6 +14,7 @@ export async function read_file_header(file: Blob, index: number): Promise<Heade
       const deflated = deflated_from(bytes);
       const inflated = deflated === null ? undefined : await inflate(bytes.subarray(deflated));
       const read = read_header(bytes, index, file.size, inflated);
+      if (read.kind === "header") return { kind: "header", header: await with_end_of_fragments(file, read.header) };
       if (read.kind !== "more") return read;
       if (size === file.size) break;
     }
@@ -20,6 +22,23 @@ export async function read_file_header(file: Blob, index: number): Promise<Heade
     // Not readable on disk, or nested without end.
   }
   return { kind: "unreadable" };
+}
+
+const most_fragments = 10_000;
+
+/** Compressed voxels end where their last fragment does; what comes behind it is not sent. */
+async function with_end_of_fragments(file: Blob, header: SliceHeader): Promise<SliceHeader> {
+  const voxels = header.voxels;
+  if (!voxels?.encapsulated) return header;
+  let at = voxels.from;
+  for (let i = 0; i < most_fragments && at + 8 <= file.size; i++) {
+    const item = new DataView(await file.slice(at, at + 8).arrayBuffer());
+    const length = item.getUint32(4, true);
+    if (item.getUint16(0, true) !== 0xfffe) break;
+    if (item.getUint16(2, true) === 0xe0dd) return { ...header, voxels: { ...voxels, to: at + 8 } };
+    at += 8 + length;
+  }
+  return { ...header, voxels: null, truncated: true };
 }
 
 /** The beginning of the inflated bytes: bounded, whatever the file promises. */

@@ -1,3 +1,4 @@
+import { upload_part } from "./clean_file";
 import { fingerprint } from "./fingerprint";
 import { judge } from "./judge";
 import { read_file_header } from "./read_file";
@@ -66,6 +67,7 @@ async function series_of(key: string, slices: readonly SliceHeader[], files: rea
     slices: ordered.length,
     verdict,
     thumbnail: verdict.suitable ? await middle_slice(ordered, files) : null,
+    upload: verdict.suitable ? ordered.flatMap((slice, i) => upload_part(slice, i + 1) ?? []) : [],
     fingerprint: fingerprint(ordered),
   };
 }

@@ -33,8 +33,27 @@ export interface SliceHeader {
   readonly orientation: readonly [number, number, number, number, number, number] | null;
   /** Where the voxels are, when they are plain little-endian bytes in the file. */
   readonly pixels: { readonly offset: number; readonly length: number } | null;
+  /** Where the bytes of the voxels are in the file, compressed or not; nothing where they cannot be cut out. */
+  readonly voxels: { readonly from: number; readonly to: number; readonly vr: string; readonly encapsulated: boolean } | null;
+  /** What may leave the browser besides the voxels. */
+  readonly kept: readonly KeptElement[];
   /** The file ends before its voxels do. */
   readonly truncated: boolean;
+}
+
+/** A data element: its tag as "xggggeeee", its bytes as they stand in the file. */
+export interface KeptElement {
+  readonly tag: string;
+  readonly vr: string;
+  readonly bytes: Uint8Array;
+}
+
+/** What is sent of a file: a new header, then a piece of the file. */
+export interface UploadPart {
+  readonly file: number;
+  readonly head: Uint8Array<ArrayBuffer>;
+  readonly from: number;
+  readonly to: number;
 }
 
 export interface Patient {
@@ -66,7 +85,6 @@ export interface Suitable {
   readonly suitable: true;
   /** Indices of files, from the first position to the last. */
   readonly files: readonly number[];
-  readonly bytes: number;
   /** Voxels along a row, along a column, across slices. */
   readonly size: readonly [number, number, number];
   readonly size_mm: readonly [number, number, number];
@@ -104,6 +122,8 @@ export interface Series {
   readonly slices: number;
   readonly verdict: Suitable | Unsuitable;
   readonly thumbnail: Thumbnail | null;
+  /** Of a suitable series, in order: what is sent. */
+  readonly upload: readonly UploadPart[];
   /** The same for the same files, and tells nothing about them. */
   readonly fingerprint: string;
 }

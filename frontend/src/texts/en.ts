@@ -128,8 +128,8 @@ export const t = {
   },
   add: {
     lead: "Choose the folder or disc that the hospital gave you. The slices are found by themselves, whatever the files are called.",
-    privacy: "Names, dates and numbers of the patient are shown here only. They never leave this device’s browser with the file names; the server deletes the originals as soon as the volume is built.",
-    privacy_short: "The patient’s name is shown on this device only.",
+    privacy: "Names, dates and numbers of the patient are cut out of the files before they are sent: they never leave this browser. The server keeps only the volume and deletes the files.",
+    privacy_short: "The patient’s name is shown here only. It is cut out before anything is sent.",
     drop: "Drop a folder here",
     dropping: "Let go to look inside",
     or: "or",

@@ -1,6 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { ApiProblem } from "../api/client";
 import { bundle_size } from "../scan/bundle";
+import { part_blobs } from "../scan/clean_file";
 import type { ScanResult, Series, Suitable, Thumbnail } from "../scan/types";
 import { t } from "../texts/en";
 import { Field } from "./field";
@@ -83,7 +84,7 @@ function SeriesCard({ series, verdict, files }: SeriesCardProps) {
   const [title, set_title] = useState("");
   const [busy, set_busy] = useState(false);
   const [fault, set_fault] = useState("");
-  const chosen = verdict.files.flatMap((index) => files[index] ?? []);
+  const chosen = part_blobs(series.upload, files);
   const bytes = bundle_size(chosen.map((file) => file.size));
 
   const upload = async () => {

@@ -1,0 +1,70 @@
+import { describe, expect, it } from "vitest";
+import { part_blobs } from "./clean_file";
+import { read_file_header } from "./read_file";
+import { scan_files } from "./scan";
+import { concat, make_series, make_slice, type MadeSlice } from "./testing";
+
+const pixels = Uint8Array.from({ length: 128 }, (_, i) => 255 - i);
+
+async function cleaned(change: MadeSlice, tail = new Uint8Array()): Promise<Blob[]> {
+  const files = make_series(20, 1.5, () => ({ pixels, patient_name: "Secret^Name", patient_id: "Secret-1", ...change })).map(
+    (blob) => new Blob([blob, tail]),
+  );
+  const result = await scan_files(files, () => undefined, () => false);
+  const series = result.series[0];
+  if (!series?.verdict.suitable) throw new Error(JSON.stringify(series?.verdict));
+  return part_blobs(series.upload, files);
+}
+
+describe("what is sent of a slice", () => {
+  it.each<[string, MadeSlice]>([
+    ["explicit", {}],
+    ["implicit", { syntax: "1.2.840.10008.1.2" }],
+    ["without preamble", { preamble: "none" }],
+    ["without a meta header", { preamble: "nothing" }],
+    ["with private elements", { padding_bytes: 5000 }],
+  ])("is the same slice without its names: %s", async (_, change) => {
+    const blobs = await cleaned(change, new TextEncoder().encode("Secret tail"));
+    expect(blobs).toHaveLength(20);
+    for (const [i, blob] of blobs.entries()) {
+      const text = await blob.text();
+      for (const word of ["Secret", "Head 1.5", "1.2.5", "1.2.3.", "HEAD", "PAD"]) expect(text).not.toContain(word);
+      const read = await read_file_header(blob, i);
+      if (read.kind !== "header") throw new Error(read.kind);
+      expect(read.header).toMatchObject({
+        sop_class: "1.2.840.10008.5.1.4.1.1.2", modality: "CT", rows: 8, columns: 8, position: [0, 0, i * 1.5], orientation: [1, 0, 0, 0, 1, 0],
+        pixel_spacing: [0.5, 0.5], intercept: -1024, slope: 1, is_signed: true, bits_stored: 16, window: { center: 40, width: 400 },
+        patient: { name: "", id: "", birth_date: "" }, description: "", truncated: false,
+      });
+      const { offset, length } = read.header.pixels ?? { offset: 0, length: 0 };
+      expect(new Uint8Array(await blob.slice(offset, offset + length).arrayBuffer())).toEqual(pixels);
+    }
+  });
+
+  it("is judged as the slices were", async () => {
+    const result = await scan_files(await cleaned({}), () => undefined, () => false);
+    expect(result.series[0]?.verdict).toMatchObject({ suitable: true, size: [8, 8, 20] });
+  });
+
+  it("keeps no word in a coded field that is not known", async () => {
+    const text = await (await cleaned({ image_type: "ORIGINAL\\PRIMARY\\AXIAL\\SECRETNAME" }))[0]?.text();
+    expect(text).toContain("ORIGINAL\\PRIMARY\\AXIAL\\OTHER");
+    expect(text).not.toContain("SECRETNAME");
+  });
+
+  it("ends compressed voxels with their last fragment", async () => {
+    const fragments = Uint8Array.from([
+      0xfe, 0xff, 0x00, 0xe0, 0, 0, 0, 0, 0xfe, 0xff, 0x00, 0xe0, 4, 0, 0, 0, 1, 2, 3, 4, 0xfe, 0xff, 0xdd, 0xe0, 0, 0, 0, 0,
+    ]);
+    const plain = make_slice({ syntax: "1.2.840.10008.1.2.4.70", pixels: fragments, patient_name: "Secret^Name" });
+    plain.set([255, 255, 255, 255], plain.length - fragments.length - 4); // of undefined length
+    const files = [new Blob([concat([plain, new TextEncoder().encode("Secret tail")])])];
+    const read = await read_file_header(files[0] ?? new Blob(), 0);
+    if (read.kind !== "header") throw new Error(read.kind);
+    const { from, to } = read.header.voxels ?? { from: 0, to: 0 };
+    expect(new Uint8Array(await (files[0] ?? new Blob()).slice(from, to).arrayBuffer())).toEqual(fragments);
+    expect(read.header.truncated).toBe(false);
+    const cut = new Blob([plain.slice(0, plain.length - 10)]);
+    expect(await read_file_header(cut, 0)).toMatchObject({ header: { truncated: true, voxels: null } });
+  });
+});

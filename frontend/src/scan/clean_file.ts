@@ -1,0 +1,136 @@
+import type { KeptElement, SliceHeader, UploadPart } from "./types";
+
+/**
+ * What is uploaded of a slice: a new header that holds only what a volume needs, and the voxels. So names, dates,
+ * numbers, remarks and private elements never leave the browser. An allow-list: what is not named here stays behind.
+ */
+
+/** Numbers and coded words, by their kind. Texts that a person may have typed are not among them. */
+const wanted: Readonly<Record<string, "number" | "us" | "image_type" | "modality" | "class" | "photometric" | "rescale_type">> = {
+  x00080008: "image_type", x00080016: "class", x00080060: "modality",
+  x00180050: "number", x00180081: "number", x00180086: "number", x00181060: "number", x00189087: "number",
+  x00200012: "number", x00200013: "number", x00200032: "number", x00200037: "number", x00200100: "number",
+  x00280002: "us", x00280004: "photometric", x00280006: "us", x00280008: "number", x00280010: "us", x00280011: "us",
+  x00280030: "number", x00280034: "number", x00280100: "us", x00280101: "us", x00280102: "us", x00280103: "us",
+  x00280106: "us", x00280107: "us", x00280120: "us", x00280121: "us",
+  x00281050: "number", x00281051: "number", x00281052: "number", x00281053: "number", x00281054: "rescale_type",
+};
+
+export const wanted_tags: readonly string[] = Object.keys(wanted);
+
+const image_words = new Set([
+  "ORIGINAL", "DERIVED", "PRIMARY", "SECONDARY", "AXIAL", "LOCALIZER", "REFORMATTED", "MPR", "AVERAGE", "RESAMPLED", "VOLUME",
+  "HELIX", "NORM", "M", "P", "R", "I", "ND", "NONE", "DIFFUSION", "ADC", "TRACEW", "FFE", "SE", "M_FFE", "M_SE", "STATIC",
+]);
+
+/** The element as it may leave, or nothing when its value is not of the form that belongs there. */
+export function kept_element(tag: string, vr: string, bytes: Uint8Array): KeptElement | null {
+  const kind = wanted[tag];
+  if (kind === undefined) return null;
+  const plain = () => new Uint8Array(bytes);
+  if (kind === "us") return bytes.length === 2 ? { tag, vr: vr === "SS" ? "SS" : "US", bytes: plain() } : null;
+  const text = String.fromCharCode(...bytes).replace(/[\0 ]+$/, "");
+  switch (kind) {
+    case "number":
+      if (vr === "FD" || vr === "FL") return { tag, vr, bytes: plain() };
+      return /^[-+0-9.eE \\]*$/.test(text) ? { tag, vr: number_vr(tag), bytes: plain() } : null;
+    case "image_type": {
+      const words = text.split("\\").map((word) => word.trim().toUpperCase());
+      return coded(tag, "CS", words.map((word) => (image_words.has(word) ? word : "OTHER")).join("\\"));
+    }
+    case "modality":
+      return /^(CT|MR|PT)$/.test(text) ? coded(tag, "CS", text) : null;
+    case "photometric":
+      return /^MONOCHROME[12]$/.test(text) ? coded(tag, "CS", text) : null;
+    case "rescale_type":
+      return /^(HU|US|BQML|SUV)$/.test(text) ? coded(tag, "LO", text) : null;
+    case "class":
+      return /^[0-9.]{1,64}$/.test(text) ? coded(tag, "UI", text) : null;
+  }
+}
+
+/** Integer strings; all other numbers here are decimal strings. */
+const integer_tags = new Set(["x00180086", "x00200012", "x00200013", "x00200100", "x00280008", "x00280034"]);
+const number_vr = (tag: string) => (integer_tags.has(tag) ? "IS" : "DS");
+
+function coded(tag: string, vr: string, text: string): KeptElement {
+  const bytes = new Uint8Array(text.length + (text.length % 2)).fill(vr === "UI" ? 0 : 32);
+  for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
+  return { tag, vr, bytes };
+}
+
+const big_endian = "1.2.840.10008.1.2.2";
+const implicit_little = "1.2.840.10008.1.2";
+
+/** `number`: which slice of the bundle it is, from 1; stands where the identifiers were. */
+export function upload_part(slice: SliceHeader, number: number): UploadPart | null {
+  const voxels = slice.voxels;
+  if (!voxels) return null;
+  const own = `2.25.${1000 + number}`;
+  const class_uid = slice.sop_class;
+  const meta = [
+    element(coded("x00020002", "UI", class_uid)),
+    element(coded("x00020003", "UI", own)),
+    element(coded("x00020010", "UI", slice.transfer_syntax)),
+    element(coded("x00020012", "UI", "2.25.3")),
+  ];
+  const meta_length = new Uint8Array(4);
+  new DataView(meta_length.buffer).setUint32(0, meta.reduce((sum, part) => sum + part.length, 0), true);
+  const implicit = slice.transfer_syntax === implicit_little;
+  const little = slice.transfer_syntax !== big_endian;
+  const body = [
+    ...slice.kept,
+    coded("x00080018", "UI", own),
+    coded("x0020000d", "UI", "2.25.1"),
+    coded("x0020000e", "UI", "2.25.2"),
+  ].sort((a, b) => (a.tag < b.tag ? -1 : 1));
+  const preamble = new Uint8Array(132);
+  preamble.set([0x44, 0x49, 0x43, 0x4d], 128);
+  const length = voxels.encapsulated ? 0xffffffff : voxels.to - voxels.from;
+  const head = joined([
+    preamble,
+    element({ tag: "x00020000", vr: "UL", bytes: meta_length }),
+    ...meta,
+    ...body.map((one) => element(one, implicit, little)),
+    element({ tag: "x7fe00010", vr: voxels.vr, bytes: new Uint8Array() }, implicit, little, length),
+  ]);
+  return { file: slice.file, head, from: voxels.from, to: voxels.to };
+}
+
+const long_form = new Set(["OB", "OW", "UN"]);
+
+function element({ tag, vr, bytes }: KeptElement, implicit = false, little = true, length = bytes.length): Uint8Array {
+  const long = implicit || long_form.has(vr);
+  const start = implicit || !long ? 8 : 12;
+  const all = new Uint8Array(start + bytes.length);
+  const view = new DataView(all.buffer);
+  view.setUint16(0, Number.parseInt(tag.slice(1, 5), 16), little);
+  view.setUint16(2, Number.parseInt(tag.slice(5), 16), little);
+  if (!implicit) {
+    all[4] = vr.charCodeAt(0);
+    all[5] = vr.charCodeAt(1);
+  }
+  if (implicit) view.setUint32(4, length, little);
+  else if (long) view.setUint32(8, length, little);
+  else view.setUint16(6, length, little);
+  all.set(bytes, start);
+  return all;
+}
+
+function joined(parts: readonly Uint8Array[]): Uint8Array<ArrayBuffer> {
+  const all = new Uint8Array(parts.reduce((sum, part) => sum + part.length, 0));
+  let at = 0;
+  for (const part of parts) {
+    all.set(part, at);
+    at += part.length;
+  }
+  return all;
+}
+
+/** The bytes to send of each part, read only when they are sent. */
+export function part_blobs(parts: readonly UploadPart[], files: readonly Blob[]): Blob[] {
+  return parts.flatMap(({ file, head, from, to }) => {
+    const source = files[file];
+    return source ? [new Blob([head, source.slice(from, to)])] : [];
+  });
+}
