@@ -10,6 +10,8 @@ local function finish(session)
   redis.call('ZREM', 'diaphane:data_set:' .. s[2] .. ':sessions', session)
   if s[3] then redis.call('ZREM', 'diaphane:worker:' .. s[3] .. ':sessions', session) end
   redis.call('DEL', session_key)
+  -- For the worker's heartbeats: ended, not lost.
+  redis.call('SET', session_key .. ':ended', '1', 'EX', 60)
   return 1
 end
 

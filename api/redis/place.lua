@@ -100,6 +100,7 @@ if not chosen then
   if old_worker then redis.call('ZREM', entries_of(old_worker), session) end
   placement = redis.call('HINCRBY', session_key, 'placement', 1)
   redis.call('HSETNX', session_key, 'opened', now)
+  redis.call('DEL', session_key .. ':ended')
 end
 
 local until_ms = now + reservation_ms

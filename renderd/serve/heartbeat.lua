@@ -2,7 +2,7 @@
 -- KEYS: 1 set of workers, 2 hash of this worker, 3 sorted set of its sessions
 -- ARGV: 1 worker id, 2 incarnation, 3 address, 4 engine, 5 device, 6 slots, 7 draining, 8 load, 9 volumes,
 --       10 prefix of a session's key, then session id and placement of each live session
--- Returns the ids of sessions that were placed on another worker since: this one is to end them.
+-- Returns the ids of sessions that were ended, or placed on another worker since: this one is to end them.
 local kBeatMs = 3000
 local kLiveMs = 10000
 local clock = redis.call('TIME')
@@ -20,7 +20,9 @@ for i = 11, #ARGV, 2 do
   local id, placement = ARGV[i], ARGV[i + 1]
   local key = ARGV[10] .. id
   local there = redis.call('HMGET', key, 'worker', 'placement')
-  if there[1] and there[1] ~= ARGV[1] and tonumber(there[2] or 0) > tonumber(placement) then
+  -- A hash that is merely not there means that Redis was lost: the session goes on.
+  local ended = redis.call('EXISTS', key .. ':ended') == 1
+  if ended or there[1] and there[1] ~= ARGV[1] and tonumber(there[2] or 0) > tonumber(placement) then
     redis.call('ZREM', KEYS[3], id)
     moved[#moved + 1] = id
   else
