@@ -1,5 +1,7 @@
 #include "renderd/engine/cpu_engine.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <new>
@@ -151,8 +153,10 @@ class CpuEngine final : public Engine {
   explicit CpuEngine(unsigned threads) : pool_(std::make_shared<ThreadPool>(threads)) {}
 
   EngineInfo info() const override {
+    const auto memory = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
+                        static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
     return {"cpu", std::to_string(pool_->threads()) + " CPU threads (" + cpu_instructions() + ")",
-            0};
+            memory};
   }
 
   Result<std::shared_ptr<const DeviceVolume>> load(const volume::Volume& volume) override {

@@ -38,7 +38,7 @@ class Program:
     tier: int                       # started in rising order, stopped in falling order
     env: Mapping[str, str] = field(default_factory=dict)
     stop_signal: int = signal.SIGTERM
-    stop_seconds: float = 2.0       # then it is killed; the tiers' sum stays below 5 s
+    stop_seconds: float = 2.8       # then it is killed; the tiers' sum stays below 5 s
     requires: tuple[Path, ...] = () # files that must exist before it can start
 
     def missing(self) -> list[Path]:
@@ -102,7 +102,7 @@ def _postgres(s: Settings) -> Program:
     return Program(
         name="postgres", argv=tuple(argv), env=_inherited(s), port=s.ports["postgres"], tier=0,
         ready=Ready("postgres", s.ports["postgres"]), requires=(POSTGRES_BIN / "postgres",),
-        stop_signal=signal.SIGINT, stop_seconds=1.5)   # "fast": ends its sessions, loses nothing
+        stop_signal=signal.SIGINT, stop_seconds=1.3)   # "fast": ends its sessions, loses nothing
 
 
 def _redis(s: Settings) -> Program:
@@ -110,7 +110,7 @@ def _redis(s: Settings) -> Program:
             "--dir", str(s.data / "redis"), "--appendonly", "yes", "--save", "", "--daemonize", "no",
             "--maxmemory", "256mb", "--maxmemory-policy", "noeviction")
     return Program(name="redis", argv=argv, env=_inherited(s), port=s.ports["redis"], tier=0,
-                   ready=Ready("redis", s.ports["redis"]), requires=(Path(argv[0]),), stop_seconds=1.5)
+                   ready=Ready("redis", s.ports["redis"]), requires=(Path(argv[0]),), stop_seconds=1.3)
 
 
 def _api(s: Settings) -> Program:
@@ -165,5 +165,5 @@ def nginx_conf(s: Settings, template: str) -> str:
 def _edge(s: Settings) -> Program:
     conf = s.data / "run" / "nginx.conf"
     argv = ("/usr/sbin/nginx", "-c", str(conf), "-p", str(s.data / "run"), "-e", "stderr")
-    return Program(name="edge", argv=argv, env=_inherited(s), port=s.ports["edge"], tier=2, stop_seconds=1.0,
+    return Program(name="edge", argv=argv, env=_inherited(s), port=s.ports["edge"], tier=2, stop_seconds=0.7,
                    ready=Ready("answers", s.ports["edge"], "/"), requires=(Path(argv[0]), conf))

@@ -1,0 +1,50 @@
+"""From an input to the first picture that shows it, over the whole way: edge, gateway, worker, and back."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+import time
+from pathlib import Path
+
+from ..bench import Result, percentile, result
+from ..bench_client import Person, Viewer, cranium
+from ..bench_stack import running
+
+ABOUT = "milliseconds from an input to the first picture of it (p50, p95), while rendering goes on"
+SIZE = 512
+
+
+def measure(quick: bool) -> list[Result]:
+    with running() as stack, tempfile.TemporaryDirectory() as folder:
+        person = Person(stack)
+        data_set = person.upload(cranium(stack, Path(folder)))
+        person.wait_ready(data_set)
+        begin = time.monotonic()
+        viewer = person.viewer(data_set, SIZE, SIZE)
+        viewer.frame()
+        opening = 1e3 * (time.monotonic() - begin)
+        milliseconds = [_turn(viewer, number) for number in range(20 if quick else 100)]
+        engine = viewer.config.engine
+        viewer.close()
+    return [result(f"opening to first picture ({engine})", [opening], "ms"),
+            result(f"input to first picture, p50 ({engine})", [percentile(milliseconds, 50)], "ms"),
+            result(f"input to first picture, p95 ({engine})", [percentile(milliseconds, 95)], "ms")]
+
+
+def _turn(viewer: Viewer, number: int) -> float:
+    """Turns the camera by some degrees in the middle of rendering."""
+    until = time.monotonic() + 0.2
+    while time.monotonic() < until:
+        viewer.frame()
+    scene = type(viewer.config.scene)()
+    scene.CopyFrom(viewer.config.scene)
+    angle = math.radians(3 * (number + 1))
+    x, y = scene.camera.eye.x - scene.camera.target.x, scene.camera.eye.y - scene.camera.target.y
+    scene.camera.eye.x = scene.camera.target.x + x * math.cos(angle) - y * math.sin(angle)
+    scene.camera.eye.y = scene.camera.target.y + x * math.sin(angle) + y * math.cos(angle)
+    begin = time.monotonic()
+    sequence = viewer.send_scene(scene)
+    while viewer.frame().input_seq < sequence:
+        pass
+    return 1e3 * (time.monotonic() - begin)
