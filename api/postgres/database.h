@@ -37,7 +37,7 @@ class Database {
   bool reachable();
 
  private:
-  enum class Mishap { kAway, kAgain, kDefect };
+  enum class Mishap { kAway, kInDoubt, kAgain, kDefect };
   class Lease {
    public:
     explicit Lease(Database& database);
@@ -91,6 +91,8 @@ std::invoke_result_t<Work, pqxx::work&> Database::transact(Work&& work) {
         case Mishap::kAway:
           if (!stale || attempt > static_cast<int>(limit_)) return away();
           break;
+        case Mishap::kInDoubt:
+          return away();
         case Mishap::kAgain:
           if (attempt >= 3) return away();
           break;

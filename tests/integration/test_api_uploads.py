@@ -135,11 +135,18 @@ def test_over_the_quota_is_refused_before_the_first_byte(api):  # noqa: F811
 def test_announcements_side_by_side_cannot_pass_the_quota_together(api):  # noqa: F811
     from concurrent.futures import ThreadPoolExecutor
 
+    import psycopg
+
     poor = person(api)
     api.psql("UPDATE users SET quota_bytes = 5000 WHERE id = %s", poor.id)
-    with ThreadPoolExecutor(8) as pool:
-        answers = list(pool.map(lambda _: poor.announce(2000).status_code, range(8)))
-    assert sorted(answers) == [201, 201] + [413] * 6
+    with ThreadPoolExecutor(6) as pool, psycopg.connect(api.dsn) as holding:
+        # All of them wait for the account here, and then run as close together as can be.
+        holding.execute("SELECT 1 FROM users WHERE id = %s FOR UPDATE", [poor.id])
+        waiting = [pool.submit(poor.announce, 2000) for _ in range(6)]
+        api.wait_until(lambda: api.psql("SELECT count(*) FROM pg_locks WHERE NOT granted")[0][0] >= 6, what="the queue")
+        holding.commit()
+        answers = sorted(answer.result().status_code for answer in waiting)
+    assert answers == [201, 201] + [413] * 4
 
 
 def test_the_same_idempotency_key_makes_one_data_set(api, one):  # noqa: F811
