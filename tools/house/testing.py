@@ -52,18 +52,20 @@ def suites() -> list[Suite]:
 
 
 def run(kind: str | None, may_install: bool = True, with_checks: bool = False) -> int:
+    from . import check
+
     total = Count()
     try:
         _prepare(kind, may_install)
         if with_checks:
-            from . import check
-
-            total += _report("checks", check.count())
+            total += _report("quick checks", check.count(slow=False))
         _build(kind)
         reports = _fresh(paths.build_dir() / "reports" / "house")
         for suite in suites():
             if suite.kind == kind or (kind is None and suite.kind != "gpu"):
                 total += _report(suite.name, suite.run(reports))
+        if with_checks:
+            total += _report("slow checks", check.count(slow=True))
     except HouseError as error:
         warn(str(error))
         total += Count(failed=1)
