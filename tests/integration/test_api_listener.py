@@ -1,0 +1,155 @@
+"""The REST listener by itself, without the edge before it: what it must bear although the edge keeps most of it away.
+On a stack of its own, because some of it leaves connections behind."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import time
+
+import httpx
+import pytest
+
+
+@pytest.fixture(scope="module")
+def stack(stack_house):
+    opened = stack_house.open(only=("postgres", "redis", "api"))
+    yield opened
+    stack_house.shut(opened)
+
+
+def connect(stack) -> socket.socket:
+    return socket.create_connection(("127.0.0.1", stack.ports["api"]), timeout=5)
+
+
+def exchange(stack, raw: bytes) -> bytes:
+    """All that is answered until the listener closes or is silent for a second."""
+    with connect(stack) as peer:
+        peer.sendall(raw.replace(b"Host: x\r\n", b"Host: x\r\nConnection: close\r\n"))
+        peer.settimeout(1)
+        answer = b""
+        with contextlib.suppress(TimeoutError, ConnectionResetError):
+            while some := peer.recv(65536):
+                answer += some
+        return answer
+
+
+def status(answer: bytes) -> int:
+    return int(answer.split(b" ", 2)[1])
+
+
+def serves_quickly(stack) -> None:
+    began = time.monotonic()
+    answer = httpx.get(f"http://127.0.0.1:{stack.ports['api']}/v1/me", timeout=5)
+    assert answer.status_code == 401
+    assert time.monotonic() - began < 1
+
+
+def cpu_seconds(stack) -> float:
+    with open(f"/proc/{stack.pids['api']}/stat", encoding="ascii") as file:
+        fields = file.read().rsplit(") ", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / 100
+
+
+def test_it_listens_on_loopback_only(stack):
+    port = f":{stack.ports['api']:04X}"
+    with open("/proc/net/tcp", encoding="ascii") as file:
+        listening = [line.split()[1] for line in file.readlines()[1:] if line.split()[3] == "0A"]
+    assert [a for a in listening if a.endswith(port)] == ["0100007F" + port]
+
+
+def test_posts_whose_bodies_never_come_hold_nobody_up(stack):
+    with contextlib.ExitStack() as open_ones:
+        for _ in range(100):
+            peer = open_ones.enter_context(connect(stack))
+            peer.sendall(b"POST /v1/sign-in HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n"
+                         b"Content-Length: 1000\r\n\r\n{")
+        for _ in range(5):
+            serves_quickly(stack)
+    serves_quickly(stack)
+
+
+def send_until_answered(peer: socket.socket, head: bytes) -> bytes:
+    """The library looks at what it is to say only when more of the body comes, so the body goes on until then."""
+    peer.sendall(head)
+    peer.setblocking(False)
+    deadline = time.monotonic() + 5
+    while time.monotonic() < deadline:
+        with contextlib.suppress(BlockingIOError, ConnectionError):
+            peer.send(b"x" * 65536)
+        with contextlib.suppress(BlockingIOError):
+            return peer.recv(65536)
+        time.sleep(0.001)
+    raise AssertionError("no answer")
+
+
+def test_a_body_that_is_refused_ends_its_connection_and_no_thread_spins(stack):
+    head = b"POST /v1/sign-in HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 900000000\r\n\r\n"
+    for _ in range(20):
+        with connect(stack) as peer:
+            answer = send_until_answered(peer, head)
+            assert status(answer) == 413 and b"Connection: close" in answer
+    before = cpu_seconds(stack)
+    time.sleep(0.5)
+    assert cpu_seconds(stack) - before < 0.2
+    serves_quickly(stack)
+
+
+def test_peers_that_leave_in_the_middle_are_forgotten(stack):
+    whole = b"POST /v1/sign-in HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 50\r\n\r\n" + b"x" * 50
+    for cut in range(1, len(whole), 3):
+        with connect(stack) as peer:
+            peer.sendall(whole[:cut])
+    serves_quickly(stack)
+    before = cpu_seconds(stack)
+    time.sleep(0.5)
+    assert cpu_seconds(stack) - before < 0.2
+
+
+@pytest.mark.parametrize("target", [b"//x/v1/me", b"/v1//me", b"/v1/%6de", b"/v1/../v1/me", b"/v1/./me", b"/v1/me/", b"/"])
+def test_no_other_spelling_of_a_route_is_a_route(stack, target):
+    answer = exchange(stack, b"GET " + target + b" HTTP/1.1\r\nHost: x\r\n\r\n")
+    assert status(answer) in (400, 404)
+
+
+def test_trace_says_nothing_back(stack):
+    answer = exchange(stack, b"TRACE /v1/me HTTP/1.1\r\nHost: x\r\nCookie: diaphane=" + b"a" * 64 + b"\r\n\r\n")
+    assert status(answer) == 405 and b"a" * 64 not in answer
+
+
+def test_a_method_that_nobody_knows_is_refused(stack):
+    for method in (b"BREW", b"PUT", b"CONNECT", b"get"):
+        assert status(exchange(stack, method + b" /v1/me HTTP/1.1\r\nHost: x\r\n\r\n")) in (400, 401, 405)
+
+
+def test_bodies_in_memory_are_bounded_in_all(stack):
+    """Parts of 8 MiB that are announced and never come: beyond the budget one is told to come again."""
+    head = (b"PATCH /v1/uploads/00000000-0000-4000-8000-000000000000 HTTP/1.1\r\nHost: x\r\nTus-Resumable: 1.0.0\r\n"
+            b"Content-Type: application/offset+octet-stream\r\nContent-Length: 8388608\r\n\r\n")
+    with contextlib.ExitStack() as open_ones:
+        for _ in range(16):
+            open_ones.enter_context(connect(stack)).sendall(head)
+        time.sleep(0.2)
+        with connect(stack) as one_more:
+            answer = send_until_answered(one_more, head)
+        assert status(answer) == 503 and b"Retry-After" in answer
+        serves_quickly(stack)
+    time.sleep(0.2)
+    with connect(stack) as peer:   # given back when they have gone
+        peer.sendall(head + b"x" * 8388608)
+        assert status(peer.recv(65536)) == 401
+
+
+def test_it_ends_in_time_although_peers_hold_on(stack):
+    with contextlib.ExitStack() as open_ones:
+        for _ in range(20):
+            open_ones.enter_context(connect(stack)).sendall(
+                b"POST /v1/sign-in HTTP/1.1\r\nHost: x\r\nContent-Length: 1000\r\n\r\n{")
+            open_ones.enter_context(connect(stack))
+        began = time.monotonic()
+        stack.stop("api")
+        assert time.monotonic() - began < 5
+    assert not any("did not stop in time" in event for event in stack.events)
+    stack.start("api")
+    stack.wait_ready("api")
+    serves_quickly(stack)
