@@ -1,0 +1,70 @@
+"""Real pages in headless Chromium against the real programs.
+
+    visit      opens a page of its own (own cookies): visit(), visit(phone=True), visit(dark=True)
+    cranium    a folder with the DICOM series of a made-up patient
+    pictures   a folder for screenshots to look at: $DIAPHANE_PICTURES, or a temporary one
+
+A page that throws, or breaks its content security policy, fails its test.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import tempfile
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from harness import REPO
+
+# Without the last ones Chromium tries to reach its maker at every start.
+CHROMIUM_ARGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+                 "--disable-background-networking", "--disable-component-update", "--disable-sync"]
+
+
+@pytest.fixture(scope="session")
+def browser():
+    with sync_playwright() as playwright:
+        path = os.environ.get("DIAPHANE_CHROMIUM", "/usr/bin/chromium")
+        browser = playwright.chromium.launch(executable_path=path, args=CHROMIUM_ARGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def visit(browser: Browser):
+    contexts, faults = [], []
+
+    def open_page(phone: bool = False, dark: bool = False, **more) -> Page:
+        size = {"width": 390, "height": 844} if phone else {"width": 1440, "height": 900}
+        context = browser.new_context(viewport=size, color_scheme="dark" if dark else "light", is_mobile=phone,
+                                      has_touch=phone, device_scale_factor=2 if phone else 1, **more)
+        contexts.append(context)
+        page = context.new_page()
+        page.set_default_timeout(20_000)
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("console", lambda message: faults.append(message.text)
+                if "Content Security Policy" in message.text else None)
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert faults == []
+
+
+@pytest.fixture(scope="session")
+def cranium(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("disc") / "Mustermann"
+    build = Path(os.environ.get("DIAPHANE_BUILD", REPO / "build" / "release"))
+    subprocess.run([build / "bin" / "diaphane-sample", "--write-dicom", folder], check=True, capture_output=True)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def pictures() -> Path:
+    folder = Path(os.environ.get("DIAPHANE_PICTURES") or tempfile.mkdtemp(prefix="diaphane-pictures-"))
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder

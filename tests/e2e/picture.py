@@ -1,0 +1,75 @@
+"""The picture in the viewer's canvas, as numbers."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import dataclass
+
+from playwright.sync_api import Page
+
+from harness import TestStack
+
+SIDE = 128
+
+
+@dataclass(frozen=True)
+class Facts:
+    epoch: int
+    input_seq: int
+    samples: int
+    error: float
+
+
+def facts(page: Page) -> Facts:
+    values = page.locator("canvas").evaluate("(c) => [c.dataset.epoch, c.dataset.inputSeq, c.dataset.samples, c.dataset.error]")
+    epoch, input_seq, samples, error = (value or "0" for value in values)
+    return Facts(int(epoch), int(input_seq), int(samples), float(error))
+
+
+def pixels(page: Page) -> bytes:
+    """The canvas scaled to SIDE x SIDE, RGB. Scaling averages the noise of single pixels away."""
+    text = page.locator("canvas").evaluate(
+        """(canvas, side) => {
+            const small = new OffscreenCanvas(side, side).getContext("2d");
+            small.imageSmoothingQuality = "high";
+            small.drawImage(canvas, 0, 0, side, side);
+            const rgba = small.getImageData(0, 0, side, side).data;
+            let text = "";
+            for (let i = 0; i < rgba.length; i += 4) text += String.fromCharCode(rgba[i], rgba[i + 1], rgba[i + 2]);
+            return btoa(text);
+        }""", SIDE)
+    return base64.b64decode(text)
+
+
+def difference(a: bytes, b: bytes) -> float:
+    """Mean absolute difference of a channel, 0 to 255."""
+    return sum(abs(x - y) for x, y in zip(a, b, strict=True)) / len(a)
+
+
+def spread(a: bytes) -> float:
+    """Mean absolute difference from the mean: 0 for an empty picture."""
+    mean = sum(a) / len(a)
+    return sum(abs(x - mean) for x in a) / len(a)
+
+
+def wait_for_samples(stack: TestStack, page: Page, samples: int, input_seq: int = 0, timeout: float = 60) -> Facts:
+    """Waits for a picture of at least so many samples that shows that input (or a newer one)."""
+
+    def enough() -> Facts | None:
+        now = facts(page)
+        if now.samples >= samples and now.input_seq >= input_seq:
+            return now
+        page.wait_for_timeout(50)  # lets the page's events arrive
+        return None
+
+    return stack.wait_until(enough, timeout=timeout, what=f"a picture of {samples} samples")
+
+
+def drag(page: Page, right: float, down: float) -> None:
+    """From the middle of the picture, in CSS pixels."""
+    box = page.locator("canvas").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + right, y + down, steps=10)
+    page.mouse.up()

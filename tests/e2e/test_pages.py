@@ -1,0 +1,140 @@
+"""The pages for everybody: keys alone, a phone, both looks, and what an accessibility checker finds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from harness import REPO, TestStack
+from person import PASSWORD, Person
+from picture import difference, facts, pixels, wait_for_samples
+
+AXE = REPO / "frontend" / "node_modules" / "axe-core" / "axe.min.js"
+LOOKS = [pytest.param({}, id="light"), pytest.param({"dark": True}, id="dark"), pytest.param({"phone": True}, id="phone")]
+
+
+def check_page(page: Page) -> None:
+    """WCAG 2.2 AA as far as axe can see it, and nothing that must be scrolled sideways."""
+    page.evaluate(AXE.read_text(encoding="utf-8"))
+    # Texts on glass above the picture have no ground that axe could know.
+    result = page.evaluate("axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'] })")
+    assert [(v["id"], [n["html"] for n in v["nodes"]]) for v in result["violations"]] == []
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+@pytest.mark.parametrize("look", LOOKS)
+def test_every_page_is_accessible_and_fits(stack: TestStack, visit, cranium: Path, pictures: Path, look: dict, request):
+    page = visit(**look)
+    name = request.node.callspec.id
+
+    def seen(what: str) -> None:
+        page.screenshot(path=pictures / f"{name}-{what}.png")
+        check_page(page)
+
+    page.goto(stack.url + "/sign-up")
+    expect(page.get_by_role("heading", name="Create your account")).to_be_visible()
+    seen("sign-up")
+    person = Person.arrives(stack, page, "lookaround")
+    seen("no-scans")
+    person.choose_folder(cranium)
+    expect(page.get_by_text("One series can be shown")).to_be_visible()
+    seen("series")
+    person.has_scan(cranium, "A head")
+    expect(page.get_by_role("img", name="Picture of A head")).to_be_visible(timeout=60_000)
+    seen("scans")
+    person.open_scan("A head")
+    wait_for_samples(stack, page, 16)
+    expect(page.locator(".preset img")).to_have_count(4, timeout=60_000)
+    seen("viewer")
+    page.get_by_role("button", name="How to move it").click()
+    seen("help")
+
+
+def test_everything_works_by_keys_alone(stack: TestStack, visit, cranium: Path):
+    page = visit()
+    person = Person(stack, page, "keys@example.org")
+    page.goto(stack.url + "/sign-up")
+    page.get_by_label("E-mail address").focus()
+    page.keyboard.type(person.email)
+    page.keyboard.press("Tab")
+    page.keyboard.type(PASSWORD)
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("heading", name="Check your mail")).to_be_focused()
+    page.goto(person.mailed_link())
+    page.get_by_role("link", name="Go to sign-in").press("Enter")
+    person.sign_in()
+    person.has_scan(cranium, "Head")
+    page.get_by_role("link", name="Open Head").press("Enter")
+    wait_for_samples(stack, page, 4)
+
+    start = pixels(page)
+    at = facts(page)
+    for _ in range(8):
+        page.keyboard.press("ArrowRight")
+    turned = wait_for_samples(stack, page, 8, input_seq=at.input_seq + 1)
+    assert difference(start, pixels(page)) > 3
+
+    page.keyboard.press("4")
+    bone = wait_for_samples(stack, page, 8, input_seq=turned.input_seq + 1)
+    expect(page.locator(".preset[aria-pressed=true]")).to_have_attribute("data-preset", "bone")
+
+    page.keyboard.press("r")
+    wait_for_samples(stack, page, 8, input_seq=bone.input_seq + 1)
+    with page.expect_download() as download:
+        page.keyboard.press("s")
+    assert download.value.suggested_filename == "diaphane.png"
+    assert Path(download.value.path()).read_bytes().startswith(b"\x89PNG")
+    page.keyboard.press("?")
+    expect(page.get_by_role("dialog", name="How to move it")).to_be_visible()
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("dialog")).to_have_count(0)
+
+
+def test_wrong_password_and_unconfirmed_address_are_told_apart(stack: TestStack, visit):
+    page = visit()
+    person = Person(stack, page, "slow@example.org")
+    person.sign_up()
+    page.goto(stack.url + "/sign-in")
+    page.get_by_label("E-mail address").fill(person.email)
+    page.get_by_label("Password", exact=True).fill(PASSWORD)
+    page.get_by_role("button", name="Sign in").click()
+    expect(page.get_by_role("alert")).to_contain_text("not confirmed yet")
+    page.get_by_label("Password", exact=True).fill("another one, a wrong one")
+    page.get_by_role("button", name="Sign in").click()
+    expect(page.get_by_role("alert")).to_contain_text("do not belong together")
+
+
+def test_a_link_works_once_and_says_so_the_second_time(stack: TestStack, visit):
+    page = visit()
+    person = Person(stack, page, "twice@example.org")
+    person.sign_up()
+    link = person.mailed_link()
+    page.goto(link)
+    expect(page.get_by_role("heading", name="Welcome")).to_be_visible()
+    assert "token" not in page.url
+    page.goto("about:blank")
+    page.goto(link)
+    expect(page.get_by_role("alert")).to_contain_text("used already")
+
+
+def test_the_chosen_look_stays(stack: TestStack, visit):
+    page = visit()
+    page.goto(stack.url)
+    page.get_by_role("button", name="Use the dark look").click()
+    page.reload()
+    expect(page.locator("html")).to_have_attribute("data-theme", "dark")
+    expect(page.get_by_role("button", name="Use the light look")).to_be_visible()
+
+
+def test_signing_out_ends_it(stack: TestStack, visit):
+    page = visit()
+    person = Person.arrives(stack, page, "leaver")
+    page.get_by_role("button", name="Sign out").click()
+    expect(page.get_by_role("heading", name="Sign in")).to_be_visible()
+    page.goto(stack.url + "/scans")
+    expect(page.get_by_role("heading", name="Sign in")).to_be_visible()
+    assert page.evaluate("fetch('/v1/data-sets').then((r) => r.status)") == 401
+    assert page.evaluate("sessionStorage.length") == 0
+    person.sign_in()

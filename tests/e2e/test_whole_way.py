@@ -1,0 +1,137 @@
+"""From a folder of DICOM files to a moving picture, as a person goes it."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+from playwright.sync_api import expect
+
+from canaries import canaries_below, canaries_in
+from harness import TestStack
+from person import Person
+from picture import difference, drag, facts, pixels, spread, wait_for_samples
+
+ENOUGH = 16  # samples a pixel: at 128 x 128 their noise is far below what a turn changes
+
+
+def test_a_person_sees_turns_and_finds_again_the_own_scan(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit()
+    person = Person.arrives(stack, page, "anna")
+    expect(page.get_by_text("No scans yet")).to_be_visible()
+
+    person.choose_folder(cranium)
+    expect(page.get_by_text("One series can be shown")).to_be_visible()
+    expect(page.get_by_text("Mustermann Canary7f3a")).to_be_visible()  # to the person, on this page
+    expect(page.get_by_text("108 slices")).to_be_visible()
+    page.screenshot(path=pictures / "series.png")
+
+    person.has_scan(cranium, "My head")
+    person.open_scan("My head")
+
+    # The picture comes, is no empty one, and its error falls.
+    early = wait_for_samples(stack, page, 2)
+    rested = wait_for_samples(stack, page, ENOUGH)
+    first = pixels(page)
+    assert spread(first) > 5
+    assert rested.epoch == early.epoch
+    later = wait_for_samples(stack, page, 2 * rested.samples)
+    assert later.error < rested.error < early.error or early.error == float("inf")
+    page.screenshot(path=pictures / "viewer.png")
+
+    # Noise: the same scene again, from nothing (a change of size there and back begins a new epoch).
+    noise = difference(first, pixels(page))
+
+    # A drag changes it by more than its noise.
+    before = facts(page)
+    drag(page, 220, 60)
+    turned = wait_for_samples(stack, page, ENOUGH, input_seq=before.input_seq + 1)
+    second = pixels(page)
+    assert turned.epoch > before.epoch
+    assert difference(first, second) > 5 * max(noise, 0.2)
+    page.screenshot(path=pictures / "turned.png")
+
+    # Reloaded, one is where one was: the same session goes on with what it had.
+    session = page.evaluate("JSON.parse(Object.entries(sessionStorage).find(([k]) => k.startsWith('diaphane.view.'))[1]).session_id")
+    last_input = facts(page).input_seq
+    page.reload()
+    again = wait_for_samples(stack, page, ENOUGH, input_seq=last_input)
+    assert again.input_seq == last_input
+    assert difference(second, pixels(page)) < 0.4 * difference(first, second)
+    assert session == page.evaluate("JSON.parse(Object.entries(sessionStorage).find(([k]) => k.startsWith('diaphane.view.'))[1]).session_id")
+
+
+def test_a_second_person_sees_none_of_it(stack: TestStack, visit, cranium: Path):
+    anna = Person.arrives(stack, visit(), "anna")
+    scan = anna.has_scan(cranium, "Private head")
+    anna.open_scan("Private head")
+    session = anna.page.evaluate("fetch('/v1/sessions').then((r) => r.json()).then((s) => s.items[0].session_id)")
+
+    bert = Person.arrives(stack, visit(), "bert")
+    expect(bert.page.get_by_text("No scans yet")).to_be_visible()
+    expect(bert.card("Private head")).to_have_count(0)
+    bert.page.goto(f"{stack.url}/view/{scan}")
+    expect(bert.page.get_by_text("There is no such scan, or it belongs to somebody else.")).to_be_visible()
+    expect(bert.page.locator("canvas[data-samples]")).to_have_count(0)
+    for method, path, body in [
+        ("GET", f"/v1/data-sets/{scan}", None),
+        ("DELETE", f"/v1/data-sets/{scan}", None),
+        ("GET", f"/v1/data-sets/{scan}/thumbnails/skin", None),
+        ("POST", "/v1/sessions", {"data_set_id": scan}),
+        ("GET", f"/v1/sessions/{session}", None),
+        ("DELETE", f"/v1/sessions/{session}", None),
+        ("POST", f"/v1/sessions/{session}/tickets", None),
+    ]:
+        assert bert.api(method, path, body) == 404, (method, path)
+    assert anna.api("GET", f"/v1/data-sets/{scan}") == 200
+
+    nobody = visit()
+    nobody.goto(f"{stack.url}/view/{scan}")
+    expect(nobody.get_by_role("heading", name="Sign in")).to_be_visible()
+
+
+def test_names_never_leave_the_browser_and_are_nowhere_on_the_server(stack_factory, visit, cranium: Path):
+    stack = stack_factory()
+    person = Person.arrives(stack, visit(), "anna")
+
+    # The search finds what is there: the folder itself is full of canaries.
+    assert len(canaries_in((sorted(cranium.iterdir())[0]).read_bytes())) > 0
+
+    stack.stop("ingestd")  # so that what was uploaded can be looked at before it is built and deleted
+    person.upload(cranium, "Nameless head")
+    expect(person.card("Nameless head")).to_have_attribute("data-state", "queued")
+    uploaded = [path for path in (stack.data_dir / "uploads").iterdir() if path.stat().st_size > 10_000_000]
+    assert len(uploaded) == 1
+    assert canaries_in(uploaded[0].read_bytes()) == []
+
+    stack.start("ingestd")
+    expect(person.card("Nameless head")).to_have_attribute("data-state", "ready", timeout=60_000)
+    person.open_scan("Nameless head")
+    wait_for_samples(stack, person.page, 4)
+
+    stack.redis.save()
+    assert canaries_below(stack.data_dir) == []
+    dump = subprocess.run(["pg_dump", "--inserts", stack.dsn], capture_output=True, check=True).stdout
+    assert b"Nameless head" in dump  # what the person typed is there, so the dump is a real one
+    assert canaries_in(dump) == []
+    assert [p.name for p in (stack.data_dir / "uploads").iterdir() if p.stat().st_size > 1000] == []
+
+
+def test_a_lost_renderer_is_said_and_mended_to_the_same_picture(stack_factory, visit, cranium: Path):
+    stack = stack_factory()
+    person = Person.arrives(stack, visit(), "anna")
+    person.has_scan(cranium, "Head")
+    person.open_scan("Head")
+    page = person.page
+    wait_for_samples(stack, page, 2)
+    drag(page, -260, 40)
+    turned = wait_for_samples(stack, page, ENOUGH, input_seq=facts(page).input_seq + 1)
+    before = pixels(page)
+
+    stack.kill("renderd")
+    expect(page.get_by_role("status").get_by_text("Coming back")).to_be_visible(timeout=10_000)
+    expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live", timeout=15_000)
+    again = wait_for_samples(stack, page, ENOUGH, input_seq=turned.input_seq)
+    assert again.input_seq >= turned.input_seq
+    assert difference(before, pixels(page)) < 3
+    expect(page.get_by_role("status").get_by_text("Coming back")).to_have_count(0)
