@@ -1,10 +1,14 @@
 // Laws of the CUDA engine as an Engine; needs a device, is skipped without one.
+#include "renderd/engine/cuda_engine.h"
+
 #include <cuda_runtime_api.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <thread>
 
 #include "renderd/engine/cuda_error.h"
+#include "renderd/engine/cuda_kernels.h"
 #include "renderd/engine/cuda_test_support.h"
 
 namespace diaphane::render::cuda {
@@ -185,6 +189,33 @@ TEST_F(CudaEngineTest, BeerLambertHolds) {
     const double z = (sum * kSamples - count * p) / std::sqrt(count * p * (1 - p));
     EXPECT_LT(std::abs(z), critical) << "depth " << depth;
   }
+}
+
+/// Breaks the context by a kernel that writes to no memory; what the renderer then says, as an exit
+/// code: 0 when every call says that the device is lost.
+[[noreturn]] void break_the_device() {
+  auto engine = make_cuda_engine();
+  auto volume = (*engine)->load(lumpy_volume(8, 8, 8));
+  auto one = (*engine)->renderer(*volume, 1, 0);
+  const auto begun = render_all(**one, full_scene(), kCanvas, 4);
+  const FilmView nowhere{nullptr, nullptr, nullptr};
+  fold_batch(nowhere, nullptr, 1, nullptr, nullptr);
+  cudaDeviceSynchronize();
+  const auto lost = [](const auto& result) {
+    return !result && result.error().code == ErrorCode::kDeviceLost;
+  };
+  PictureRgb8 picture;
+  const bool said =
+      begun && lost((*one)->render(1, [] { return false; })) && lost((*one)->display(picture)) &&
+      lost((*one)->set_scene(full_scene(), kCanvas)) &&
+      lost((*engine)->load(lumpy_volume(8, 8, 8))) && lost((*engine)->renderer(*volume, 1, 0));
+  std::_Exit(said ? 0 : 1);
+}
+
+TEST_F(CudaEngineTest, EveryCallSaysThatTheDeviceIsLost) {
+  // In a process of its own, started afresh: a broken context ends only with its process.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(break_the_device(), ::testing::ExitedWithCode(0), "");
 }
 
 TEST(CudaError, SaysWhatACallerCanDo) {
