@@ -63,9 +63,10 @@ class FileTransport final : public MailTransport {
     std::snprintf(stamp, sizeof stamp, "%012lld%09ld", static_cast<long long>(now.tv_sec),
                   now.tv_nsec);
     const std::string id = random_hex(8);
-    const std::filesystem::path path =
-        std::filesystem::path(directory_) / (std::string(stamp) + "-" + id + ".eml");
-    const std::filesystem::path temporary = path.string() + ".tmp";
+    const std::string name = std::string(stamp) + "-" + id + ".eml";
+    const std::filesystem::path path = std::filesystem::path(directory_) / name;
+    // Hidden until it is whole: whoever lists the directory sees no half mail.
+    const std::filesystem::path temporary = std::filesystem::path(directory_) / ("." + name);
     std::ofstream file(temporary, std::ios::binary);
     ::chmod(temporary.c_str(), 0600);  // the link in it is a secret
     file << message_of(mail, from_, rfc5322_now(), id);
