@@ -81,7 +81,7 @@ Result<volume::Volume> build_volume(dicom::FileSource& source, const dicom::Scan
       const dicom::Precheck checked = dicom::precheck(bytes, limits);
       if (checked.state != dicom::FileState::kFit)
         return fail(ErrorCode::kInvalid, "a file has changed");
-      auto values = dicom::read_values(bytes, checked, series.slices[found.order[z]]);
+      auto values = dicom::read_values(checked, series.slices[found.order[z]]);
       if (!values) return tl::unexpected(values.error());
       voxels.put(*values,
                  static_cast<std::int16_t*>(image->GetScalarPointer(0, 0, static_cast<int>(z))));

@@ -106,8 +106,9 @@ Inflated inflate_all(Bytes packed, std::uint64_t limit) {
   return result;
 }
 
-/// A file with the shortest header in front of `data`.
-std::vector<std::byte> with_header(Bytes data, std::string_view syntax) {
+/// A file of the elements kept, behind the shortest header.
+std::vector<std::byte> plain_file(Bytes data, const std::vector<Range>& kept,
+                                  std::string_view syntax) {
   std::string uid(syntax);
   if (uid.size() % 2 != 0) uid += '\0';
   std::string head(kPreamble, '\0');
@@ -121,9 +122,15 @@ std::vector<std::byte> with_header(Bytes data, std::string_view syntax) {
   const std::uint32_t group = static_cast<std::uint32_t>(uid.size()) + 8;
   put("\x02\x00\x00\x00UL", std::string{static_cast<char>(group), 0, 0, 0});
   put("\x02\x00\x10\x00UI", uid);
-  std::vector<std::byte> file(head.size() + data.size());
+  std::size_t size = head.size();
+  for (const Range& range : kept) size += range.end - range.begin;
+  std::vector<std::byte> file(size);
   std::memcpy(file.data(), head.data(), head.size());
-  std::memcpy(file.data() + head.size(), data.data(), data.size());
+  auto to = file.begin() + static_cast<std::ptrdiff_t>(head.size());
+  for (const Range& range : kept) {
+    const Bytes part = data.subspan(range.begin, range.end - range.begin);
+    to = std::copy(part.begin(), part.end(), to);
+  }
   return file;
 }
 
@@ -218,9 +225,8 @@ Precheck precheck(Bytes file, const Limits& limits) {
   if (walked.state != FileState::kFit) return refuse(walked.state, walked.text);
   check_pixels(walked, limits, result);
   if (result.state != FileState::kFit) return refuse(result.state, std::move(result.text));
-  if (syntax->deflated || !with_preamble) {
-    result.plain = with_header(data, syntax->deflated ? kExplicitLittle : syntax->uid);
-  }
+  result.has_lookup_table = walked.has_lookup_table;
+  result.plain = plain_file(data, walked.kept, syntax->deflated ? kExplicitLittle : syntax->uid);
   return result;
 }
 

@@ -49,17 +49,9 @@ void silence_gdcm() {
   static_cast<void>(done);
 }
 
-std::span<const std::byte> readable(std::span<const std::byte> file, const Precheck& checked) {
-  return checked.plain.empty() ? file : std::span<const std::byte>(checked.plain);
-}
-
 class Elements {
  public:
   explicit Elements(const gdcm::DataSet& set) : set_(set) {}
-
-  bool has(std::uint16_t group, std::uint16_t element) const {
-    return set_.FindDataElement(gdcm::Tag(group, element));
-  }
 
   std::string text(std::uint16_t group, std::uint16_t element) const {
     const gdcm::ByteValue* value = bytes(group, element);
@@ -181,7 +173,6 @@ Slice slice_of(const Elements& in) {
   const auto slope = in.first(0x0028, 0x1053);
   const auto intercept = in.first(0x0028, 0x1052);
   slice.rescale = {slope.value_or(1), intercept.value_or(0), slope && intercept};
-  slice.has_lookup_table = in.has(0x0028, 0x3000);
   slice.padding = padding_of(in, slice.layout.is_signed);
   slice.position = in.numbers<3>(0x0020, 0x0032);
   slice.orientation = in.numbers<6>(0x0020, 0x0037);
@@ -197,9 +188,10 @@ bool Slice::is_scout() const {
   return std::find(image_type.begin(), image_type.end(), "LOCALIZER") != image_type.end();
 }
 
-Result<Slice> read_slice(std::span<const std::byte> file, const Precheck& checked) {
+Result<Slice> read_slice(const Precheck& checked) {
   silence_gdcm();
-  ByteBuffer buffer(readable(file, checked));
+  if (!checked.has_pixels) return Slice{};  // a report, a plan, a directory: no slice
+  ByteBuffer buffer(checked.plain);
   std::istream stream(&buffer);
   gdcm::Reader reader;
   reader.SetStream(stream);
@@ -216,13 +208,14 @@ Result<Slice> read_slice(std::span<const std::byte> file, const Precheck& checke
     return fail(ErrorCode::kInvalid, "a file can be understood in two ways");
   }
   slice.has_pixels = checked.has_pixels;
+  slice.has_lookup_table = checked.has_lookup_table;
   return slice;
 }
 
-Result<std::vector<std::int32_t>> read_values(std::span<const std::byte> file,
-                                              const Precheck& checked, const Slice& slice) {
+Result<std::vector<std::int32_t>> read_values(const Precheck& checked, const Slice& slice) {
   silence_gdcm();
-  ByteBuffer buffer(readable(file, checked));
+  if (!checked.has_pixels) return fail(ErrorCode::kInvalid, "a slice has no pixels");
+  ByteBuffer buffer(checked.plain);
   std::istream stream(&buffer);
   gdcm::ImageReader reader;
   reader.SetStream(stream);

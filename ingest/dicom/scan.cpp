@@ -96,7 +96,7 @@ Result<Scan> scan(FileSource& source, const ScanLimits& limits) {
       count(checked, result.left_out);
       return {};
     }
-    auto slice = read_slice(bytes, checked);
+    auto slice = read_slice(checked);
     if (!slice) {
       ++result.left_out.damaged;
       return {};

@@ -13,6 +13,15 @@ constexpr std::uint32_t kItem = 0xFFFEE000;
 constexpr std::uint32_t kItemEnd = 0xFFFEE00D;
 constexpr std::uint32_t kSequenceEnd = 0xFFFEE0DD;
 constexpr std::uint32_t kPixelData = 0x7FE00010;
+constexpr std::uint32_t kModalityLookupTable = 0x00283000;
+
+/// All that is ever read of a file (dicom/slice.h): rising, for the search.
+constexpr std::array<std::uint32_t, 26> kNeeded{
+    0x00080008, 0x00080016, 0x00080018, 0x00080060, 0x00100010, 0x00100020, 0x0020000E,
+    0x00200032, 0x00200037, 0x00280002, 0x00280004, 0x00280006, 0x00280008, 0x00280010,
+    0x00280011, 0x00280030, 0x00280100, 0x00280101, 0x00280102, 0x00280103, 0x00280120,
+    0x00280121, 0x00281050, 0x00281051, 0x00281052, 0x00281053};
+constexpr std::uint32_t kLongestNeeded = 1024;
 
 /// Thrown inside this file only, to leave the recursion; walk() turns it into a value.
 struct Stop {
@@ -27,7 +36,16 @@ class Walker {
   Walker(std::span<const std::byte> data, bool explicit_vr, bool big_endian, const Limits& limits)
       : data_(data), explicit_(explicit_vr), big_endian_(big_endian), limits_(limits) {}
 
-  void run() { data_set(data_.size(), false, explicit_, 0); }
+  void run() {
+    data_set(data_.size(), false, explicit_, 0);
+    std::vector<Range>& kept = result_.kept;
+    std::sort(kept.begin(), kept.end(),
+              [](const Range& a, const Range& b) { return a.tag < b.tag; });
+    const auto same = [](const Range& a, const Range& b) { return a.tag == b.tag; };
+    if (std::adjacent_find(kept.begin(), kept.end(), same) != kept.end()) {
+      damaged("an element is there twice");
+    }
+  }
   Walked& result() { return result_; }
 
  private:
@@ -87,6 +105,7 @@ class Walker {
   /// Elements until `end`, or until the item's end mark when `open`.
   void data_set(std::size_t end, bool open, bool explicit_vr, std::uint32_t depth) {
     while (at_ < end) {
+      const std::size_t begin = at_;
       const Element e = next(end, explicit_vr);
       if (e.tag == kItemEnd && open) {
         if (e.length != 0) damaged("an item ends with a length");
@@ -95,30 +114,31 @@ class Walker {
       if (e.tag >> 16 == 0xFFFE) damaged("an item stands where an element should");
       if (depth == 0 && e.tag == kPixelData) {
         pixels(e, end);
+        result_.kept.push_back({e.tag, begin, at_});
       } else {
-        element(e, end, explicit_vr, depth);
+        const bool is_plain = element(e, end, explicit_vr, depth);
+        if (depth == 0) note(e, begin, is_plain);
       }
     }
     if (open) damaged("the file ends too early");
   }
 
-  void element(const Element& e, std::size_t end, bool explicit_vr, std::uint32_t depth) {
+  /// Goes past an element; false for one that holds others.
+  bool element(const Element& e, std::size_t end, bool explicit_vr, std::uint32_t depth) {
     if (e.length == kUndefined) {
       if (explicit_vr && !e.is("SQ") && !e.is("UN")) damaged("an element has no length");
       // Of unknown representation and without length: implicit inside (DICOM PS3.5, 6.2.2, note 2).
       sequence(end, true, explicit_vr && e.is("SQ"), depth + 1);
-      return;
+      return false;
     }
     need(e.length, end);
     const std::size_t stop = at_ + e.length;
     // Readers look for items also where the representation does not say "sequence".
     const bool hidden = (!explicit_vr || e.is("UN")) && e.length >= 8 && tag_at(at_) == kItem;
-    if (e.is("SQ") || hidden) {
-      sequence(stop, false, explicit_vr && e.is("SQ"), depth + 1);
-    } else if (depth == 0) {
-      note(e);
-    }
+    const bool holds_others = e.is("SQ") || hidden;
+    if (holds_others) sequence(stop, false, explicit_vr && e.is("SQ"), depth + 1);
     at_ = stop;
+    return !holds_others;
   }
 
   void sequence(std::size_t end, bool open, bool explicit_vr, std::uint32_t depth) {
@@ -165,7 +185,11 @@ class Walker {
     }
   }
 
-  void note(const Element& e) {
+  void note(const Element& e, std::size_t begin, bool is_plain) {
+    if (e.tag == kModalityLookupTable) result_.has_lookup_table = true;
+    if (!std::binary_search(kNeeded.begin(), kNeeded.end(), e.tag)) return;
+    if (!is_plain || e.length > kLongestNeeded) damaged("an element has an odd form");
+    result_.kept.push_back({e.tag, begin, at_});
     switch (e.tag) {
       case 0x00280002:
         return number(e, result_.samples);
@@ -182,23 +206,22 @@ class Walker {
     }
   }
 
+  /// The value that was just passed.
   void number(const Element& e, std::optional<std::uint16_t>& into) const {
-    // Twice, or of an odd form: two readers could see two different pictures.
-    if (into || e.length != 2 || (explicit_ && !e.is("US")))
-      damaged("the size of the picture is unclear");
-    into = read16(at_);
+    // Of an odd form, two readers could see two different pictures.
+    if (e.length != 2 || (explicit_ && !e.is("US"))) damaged("the size of the picture is unclear");
+    into = read16(at_ - 2);
   }
 
   void frames(const Element& e) {
     std::string text;
     for (std::uint32_t i = 0; i < std::min<std::uint32_t>(e.length, 16); ++i) {
-      const char c = static_cast<char>(byte(at_ + i));
+      const char c = static_cast<char>(byte(at_ - e.length + i));
       if (c != ' ' && c != '\0') text += c;
     }
     std::uint64_t value = 0;
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (result_.frames || (explicit_ && !e.is("IS")) || error != std::errc() ||
-        stop != text.data() + text.size()) {
+    if ((explicit_ && !e.is("IS")) || error != std::errc() || stop != text.data() + text.size()) {
       damaged("the number of frames is unclear");
     }
     result_.frames = value;

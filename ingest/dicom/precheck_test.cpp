@@ -1,0 +1,279 @@
+#include "ingest/dicom/precheck.h"
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <random>
+
+#include "ingest/dicom/read_slice.h"
+#include "ingest/dicom/test_series.h"
+
+namespace diaphane::dicom {
+namespace {
+
+using namespace testing;
+
+Precheck check(const std::string& file, const Limits& limits = {}) {
+  return precheck(std::as_bytes(std::span(file)), limits);
+}
+
+std::string u16(std::uint32_t v) { return {static_cast<char>(v), static_cast<char>(v >> 8)}; }
+std::string u32(std::uint32_t v) { return u16(v) + u16(v >> 16); }
+
+std::string element(std::uint32_t group, std::uint32_t number, const std::string& vr,
+                    const std::string& value) {
+  return u16(group) + u16(number) + vr + u16(static_cast<std::uint32_t>(value.size())) + value;
+}
+std::string wide(std::uint32_t group, std::uint32_t number, const std::string& vr,
+                 std::uint32_t length, const std::string& value) {
+  return u16(group) + u16(number) + vr + u16(0) + u32(length) + value;
+}
+std::string item(std::uint32_t length) { return u16(0xFFFE) + u16(0xE000) + u32(length); }
+
+std::string header(std::string uid = "1.2.840.10008.1.2.1") {
+  if (uid.size() % 2 != 0) uid += '\0';
+  return std::string(128, '\0') + "DICM" + element(2, 0x10, "UI", uid);
+}
+
+std::string sizes(std::uint32_t rows, std::uint32_t columns) {
+  return element(0x28, 2, "US", u16(1)) + element(0x28, 0x10, "US", u16(rows)) +
+         element(0x28, 0x11, "US", u16(columns)) + element(0x28, 0x100, "US", u16(16));
+}
+
+std::string pixels(std::uint32_t length, const std::string& value) {
+  return wide(0x7FE0, 0x10, "OW", length, value);
+}
+
+TEST(Precheck, APlainSliceIsFit) {
+  const Precheck checked = check(header() + sizes(2, 3) + pixels(12, std::string(12, 'p')));
+  EXPECT_EQ(checked.state, FileState::kFit) << checked.text;
+  EXPECT_EQ(checked.rows, 2);
+  EXPECT_EQ(checked.columns, 3);
+  EXPECT_TRUE(checked.has_pixels);
+}
+
+TEST(Precheck, ATinyFileThatClaimsAnEnormousPictureIsTooLarge) {
+  const std::string file =
+      header() + element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.2" + std::string(1, '\0')) +
+      sizes(65535, 65535) + pixels(2, "xx");
+  ASSERT_LE(file.size(), 286u);
+  EXPECT_EQ(check(file).state, FileState::kTooLarge);
+}
+
+TEST(Precheck, FramesAndSamplesCannotOverflowTheProduct) {
+  // 65535 x 65535 x 65535 x (2^63 - 1) x 8192: far beyond 64 bits, and must not come round to
+  // something small.
+  const std::string file = header() + element(0x28, 2, "US", u16(65535)) +
+                           element(0x28, 8, "IS", "9223372036854775807 ") +
+                           element(0x28, 0x10, "US", u16(65535)) +
+                           element(0x28, 0x11, "US", u16(65535)) +
+                           element(0x28, 0x100, "US", u16(65535)) + pixels(2, "xx");
+  EXPECT_NE(check(file).state, FileState::kFit);
+  const std::string cubes =
+      header() + element(0x28, 2, "US", u16(4)) + element(0x28, 8, "IS", "1073741824") +
+      element(0x28, 0x10, "US", u16(65536 / 4)) + element(0x28, 0x11, "US", u16(65536 / 2)) +
+      element(0x28, 0x100, "US", u16(16)) + pixels(2, "xx");
+  EXPECT_EQ(check(cubes).state, FileState::kTooLarge);
+}
+
+TEST(Precheck, PixelsThatAreNotAllThereAreDamage) {
+  EXPECT_EQ(check(header() + sizes(8, 8) + pixels(128, std::string(100, 'p'))).state,
+            FileState::kDamaged);
+  EXPECT_EQ(check(header() + sizes(8, 8) + pixels(100, std::string(100, 'p'))).state,
+            FileState::kDamaged);
+}
+
+TEST(Precheck, EveryTruncationOfAFileIsNoticed) {
+  // Cut anywhere: never fit with pixels, unless only what stands behind them is missing.
+  Options options = plain_ct();
+  options.series.with_patient = true;
+  options.slices = 1;
+  options.rows = options.columns = 4;
+  const std::string file = files_of(options)[0];
+  const std::size_t pixels_end = file.find("Tail") - 12;
+  for (std::size_t length = 0; length < file.size(); ++length) {
+    const Precheck checked = check(file.substr(0, length));
+    EXPECT_FALSE(checked.state == FileState::kFit && checked.has_pixels && length < pixels_end)
+        << length;
+  }
+}
+
+std::string nested(int depth, bool undefined) {
+  std::string inner = element(8, 0x104, "LO", "deep");
+  for (int i = 0; i < depth; ++i) {
+    const std::string end =
+        undefined ? u16(0xFFFE) + u16(0xE00D) + u32(0) + u16(0xFFFE) + u16(0xE0DD) + u32(0) : "";
+    const std::uint32_t none = 0xFFFFFFFF;
+    const std::string one =
+        item(undefined ? none : static_cast<std::uint32_t>(inner.size())) + inner;
+    inner =
+        wide(8, 0x1111, "SQ", undefined ? none : static_cast<std::uint32_t>(one.size()), one + end);
+  }
+  return inner;
+}
+
+TEST(Precheck, SequencesAreNestedAtMostSixteenDeep) {
+  for (const bool undefined : {false, true}) {
+    EXPECT_EQ(check(header() + nested(16, undefined)).state, FileState::kFit);
+    EXPECT_EQ(check(header() + nested(17, undefined)).state, FileState::kTooLarge);
+  }
+}
+
+TEST(Precheck, ABombOfNestedSequencesIsRefusedWithoutACrash) {
+  // 4 MB of beginnings only: what crashed a reader that follows them.
+  std::string bomb = header();
+  const std::string one = wide(8, 0x1111, "SQ", 0xFFFFFFFF, item(0xFFFFFFFF));
+  while (bomb.size() < (4u << 20)) bomb += one;
+  EXPECT_EQ(check(bomb).state, FileState::kTooLarge);
+  // The same hidden behind other representations that readers look into.
+  std::string unknown = header();
+  const std::string un = wide(9, 0x1001, "UN", 0xFFFFFFFF, "");
+  const std::string implicit = u16(9) + u16(0x1001) + u32(0xFFFFFFFF) + item(0xFFFFFFFF);
+  unknown += un + item(0xFFFFFFFF);
+  while (unknown.size() < (1u << 20)) unknown += implicit;
+  EXPECT_EQ(check(unknown).state, FileState::kTooLarge);
+}
+
+TEST(Precheck, TooManyElementsAreRefused) {
+  std::string file = header();
+  for (int i = 0; i < 120000; ++i) file += element(0x11, 0x1000 + (i & 0xFF), "LO", "");
+  EXPECT_EQ(check(file).state, FileState::kTooLarge);
+}
+
+TEST(Precheck, ALengthBeyondTheFileIsDamage) {
+  EXPECT_EQ(check(header() + wide(8, 0x1111, "UT", 0x7FFFFFFF, "short")).state,
+            FileState::kDamaged);
+  EXPECT_EQ(check(header() + wide(8, 0x1111, "SQ", 0xFFFFFFF0, item(8))).state,
+            FileState::kDamaged);
+  EXPECT_EQ(
+      check(header() + wide(8, 0x1111, "SQ", 16, item(0xFFFFFF00) + std::string(8, 'x'))).state,
+      FileState::kDamaged);
+  EXPECT_EQ(check(header() + wide(8, 0x1111, "OB", 0xFFFFFFFF, "")).state, FileState::kDamaged);
+}
+
+std::string deflated(const std::string& data) {
+  std::string packed(compressBound(data.size()) + 100, '\0');
+  z_stream stream{};
+  deflateInit2(&stream, 9, Z_DEFLATED, -MAX_WBITS, 9, Z_DEFAULT_STRATEGY);
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));
+  stream.avail_in = static_cast<uInt>(data.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  deflate(&stream, Z_FINISH);
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  return packed;
+}
+
+TEST(Precheck, ADeflateBombIsStoppedAtItsCap) {
+  Limits limits;
+  limits.inflated_bytes = 1 << 20;
+  const std::string bomb =
+      header("1.2.840.10008.1.2.1.99") + deflated(std::string(64u << 20, '\0'));
+  ASSERT_LT(bomb.size(), 100000u);
+  EXPECT_EQ(check(bomb, limits).state, FileState::kTooLarge);
+  const std::string good =
+      header("1.2.840.10008.1.2.1.99") + deflated(sizes(2, 3) + pixels(12, std::string(12, 'p')));
+  const Precheck checked = check(good, limits);
+  EXPECT_EQ(checked.state, FileState::kFit) << checked.text;
+  EXPECT_FALSE(checked.plain.empty()) << "GDCM is not to inflate it";
+  EXPECT_EQ(check(good.substr(0, good.size() - 3), limits).state, FileState::kDamaged);
+}
+
+TEST(Precheck, ACompressedPictureOfAnotherSizeIsDamage) {
+  // A header that says 4 x 4 around a JPEG of 60000 x 60000: its decoder would believe the JPEG.
+  const std::string sof("\xFF\xD8\xFF\xC3\x00\x0B\x10\xEA\x60\xEA\x60\x01\x01\x11\x00", 15);
+  const auto file = [&](const std::string& jpeg) {
+    return header("1.2.840.10008.1.2.4.70") + sizes(4, 4) +
+           wide(0x7FE0, 0x10, "OB", 0xFFFFFFFF,
+                item(0) + item(static_cast<std::uint32_t>(jpeg.size())) + jpeg + u16(0xFFFE) +
+                    u16(0xE0DD) + u32(0));
+  };
+  EXPECT_EQ(check(file(sof + "x")).state, FileState::kDamaged);
+  std::string right = sof + "x";
+  right.replace(7, 4, std::string("\x00\x04\x00\x04", 4));
+  EXPECT_EQ(check(file(right)).state, FileState::kFit) << check(file(right)).text;
+  EXPECT_EQ(check(file("no JPEG.")).state, FileState::kDamaged);
+}
+
+TEST(Precheck, WhatCanBeUnderstoodInTwoWaysIsDamage) {
+  const std::string body = sizes(2, 3) + pixels(12, std::string(12, 'p'));
+  EXPECT_EQ(check(header() + element(0x28, 0x10, "US", u16(2)) + body).state, FileState::kDamaged);
+  EXPECT_EQ(check(header() + body + pixels(12, std::string(12, 'q'))).state, FileState::kDamaged);
+  EXPECT_EQ(
+      check(header() + element(0x28, 0x10, "UL", u32(2)) + pixels(12, std::string(12, 'p'))).state,
+      FileState::kDamaged);
+}
+
+TEST(Precheck, OtherFilesAreNotDicom) {
+  for (const std::string file :
+       {std::string(), std::string("x"), std::string(131, '\0'), std::string(5000, '\0'),
+        std::string("\x89PNG\r\n\x1a\n and so on and on and on"),
+        std::string("PK\x03\x04 an archive ................")}) {
+    EXPECT_EQ(check(file).state, FileState::kNotDicom) << file.size();
+  }
+  EXPECT_EQ(check(std::string(128, '\0') + "DICM").state, FileState::kDamaged);
+}
+
+/// Flips, cuts, repeats and overwrites, from one seed: a small fuzzer that every test run repeats.
+std::string mutated(std::string file, std::mt19937& random) {
+  const auto below = [&](std::size_t n) { return random() % n; };
+  const int changes = 1 + static_cast<int>(below(6));
+  for (int i = 0; i < changes && file.size() > 200; ++i) {
+    const std::size_t at = 128 + below(file.size() - 128);
+    switch (below(5)) {
+      case 0:
+        file[at] = static_cast<char>(random());
+        break;
+      case 1:
+        file.resize(at);
+        break;
+      case 2:
+        file.insert(at, file.substr(at, below(40)));
+        break;
+      case 3:
+        file.replace(at, std::min<std::size_t>(4, file.size() - at), "\xFF\xFF\xFF\xFF", 4);
+        break;
+      default:
+        file.erase(at, below(20));
+        break;
+    }
+  }
+  return file;
+}
+
+TEST(Precheck, WhatPassesItAfterAnyChangeIsReadOrRefusedWithoutACrash) {
+  // 20 000 changed files. What the pre-check lets through, GDCM must survive too, within this
+  // process.
+  std::mt19937 random(20261121);
+  std::vector<std::string> seeds;
+  for (const char* uid :
+       {"1.2.840.10008.1.2", "1.2.840.10008.1.2.1", "1.2.840.10008.1.2.2", "1.2.840.10008.1.2.1.99",
+        "1.2.840.10008.1.2.4.70", "1.2.840.10008.1.2.5"}) {
+    Options options = plain_ct();
+    options.slices = 1;
+    options.rows = options.columns = 16;
+    options.series.transfer_syntax = uid;
+    options.series.with_patient = true;
+    seeds.push_back(files_of(options)[0]);
+  }
+  Limits limits;
+  limits.pixel_bytes = 1 << 20;
+  limits.inflated_bytes = 1 << 20;
+  std::size_t passed = 0;
+  for (int round = 0; round < 20000; ++round) {
+    const std::string file = mutated(seeds[random() % seeds.size()], random);
+    const Precheck checked = check(file, limits);
+    if (checked.state != FileState::kFit) {
+      EXPECT_FALSE(checked.text.empty());
+      continue;
+    }
+    ++passed;
+    EXPECT_LE(std::uint64_t{checked.rows} * checked.columns * 2, limits.pixel_bytes * 2);
+    if (auto slice = read_slice(checked)) (void)read_values(checked, *slice);
+  }
+  EXPECT_GT(passed, 500u) << "else nothing was tried";
+}
+
+}  // namespace
+}  // namespace diaphane::dicom

@@ -1,0 +1,362 @@
+// The table of cases of the ingest design ("Cases and the right result"), each with generated
+// files.
+#include "ingest/dicom/scan.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "ingest/dicom/test_series.h"
+
+namespace diaphane::dicom {
+namespace {
+
+using namespace testing;
+
+const Assessment& only(const Scan& scan) {
+  EXPECT_EQ(scan.series.size(), 1u);
+  static const Assessment nothing;
+  return scan.series.empty() ? nothing : scan.series[0].assessment;
+}
+
+std::string code_of(const Options& options) {
+  const Scan scan = scan_of(files_of(options));
+  const Choice choice = choose(scan);
+  EXPECT_FALSE(choice.suitable);
+  EXPECT_FALSE(choice.text.empty());
+  EXPECT_EQ(choice.text.back(), '.');
+  return choice.code;
+}
+
+TEST(Case1, ARegularCtIsBuilt) {
+  const Scan scan = scan_of(files_of(plain_ct()));
+  const Assessment& a = only(scan);
+  ASSERT_TRUE(a.suitable) << a.text;
+  EXPECT_EQ(a.modality, volume::Modality::kCt);
+  EXPECT_EQ(a.size, (std::array<std::uint32_t, 3>{12, 10, 20}));
+  EXPECT_NEAR(a.spacing[0], 0.7, 1e-9) << "between columns";
+  EXPECT_NEAR(a.spacing[1], 0.8, 1e-9) << "between rows";
+  EXPECT_NEAR(a.spacing[2], 2, 1e-9);
+  EXPECT_EQ(a.direction, (std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1}));
+  EXPECT_EQ(a.window_width, 400);
+  EXPECT_TRUE(a.repairs.empty());
+  EXPECT_EQ(plane_name(a.direction), "axial");
+}
+
+TEST(Case1, MrAndPtAreBuiltToo) {
+  Options options = plain_ct();
+  options.series.sop_class = "1.2.840.10008.5.1.4.1.1.4";
+  options.series.modality = "MR";
+  EXPECT_EQ(only(scan_of(files_of(options))).modality, volume::Modality::kMr);
+  options.series.sop_class = "1.2.840.10008.5.1.4.1.1.128";
+  options.series.modality = "PT";
+  EXPECT_EQ(only(scan_of(files_of(options))).modality, volume::Modality::kPt);
+}
+
+TEST(Case2, JitterIsBuiltAndSaid) {
+  Options options = plain_ct();
+  options.place = [](int z) { return 2.0 * z + (z % 2 == 1 && z < 19 ? 0.035 : 0); };
+  const Scan scan = scan_of(files_of(options));
+  const Assessment& a = only(scan);
+  ASSERT_TRUE(a.suitable) << a.text;
+  EXPECT_NEAR(a.spacing[2], 2, 1e-9);
+  EXPECT_EQ(a.repairs.size(), 1u);
+}
+
+TEST(Case3, ObliqueSlicesKeepTheirDirection) {
+  Options options = plain_ct();
+  const double c = std::cos(0.4), s = std::sin(0.4);
+  options.series.orientation = {c, s, 0, 0, 0, -1};
+  options.step = {-s, c, 0};  // row x column
+  const Scan scan = scan_of(files_of(options));
+  const Assessment& a = only(scan);
+  ASSERT_TRUE(a.suitable) << a.text;
+  const std::array<double, 9> expected{c, 0, -s, s, 0, c, 0, -1, 0};
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(a.direction[i], expected[i], 1e-6) << i;
+}
+
+TEST(Case4, AGantryTiltIsRefused) {
+  Options options = plain_ct();
+  options.step = {0, std::tan(18.5 * M_PI / 180), 1};
+  const Scan scan = scan_of(files_of(options));
+  EXPECT_EQ(only(scan).code, "tilted");
+  EXPECT_NE(only(scan).text.find("18.5 degrees"), std::string::npos);
+}
+
+TEST(Case5, GapsAreRefusedWithTheirNumber) {
+  Options options = plain_ct();
+  options.place = [](int z) { return 2.0 * (z < 9 ? z : z + 2); };
+  const Scan scan = scan_of(files_of(options));
+  EXPECT_EQ(only(scan).code, "missing_slices");
+  EXPECT_NE(only(scan).text.find("2 slices are missing"), std::string::npos);
+}
+
+TEST(Case6, VaryingSpacingIsRefused) {
+  Options options = plain_ct();
+  options.place = [](int z) { return z < 10 ? 2.0 * z : 20 + 3.3 * (z - 10); };
+  EXPECT_EQ(code_of(options), "varying_spacing");
+}
+
+TEST(Case7, ASliceThatIsThereTwiceIsKeptOnce) {
+  std::vector<std::string> files = files_of(plain_ct());
+  files.push_back(files[4]);
+  files.insert(files.begin(), files[11]);
+  const Scan scan = scan_of(files);
+  const Assessment& a = only(scan);
+  ASSERT_TRUE(a.suitable) << a.text;
+  EXPECT_EQ(a.size[2], 20u);
+  ASSERT_EQ(a.repairs.size(), 1u);
+  EXPECT_NE(a.repairs[0].find("2 slices were there twice"), std::string::npos);
+}
+
+TEST(Case7, OneIdentifierForDifferentSlicesIsRefused) {
+  Options options = plain_ct();
+  const std::string uid = new_uid();
+  options.change = [&](int z, SeriesSpec&, SliceSpec& slice) {
+    if (z == 3 || z == 8) slice.sop_uid = uid;
+  };
+  EXPECT_EQ(code_of(options), "repeated_identifier");
+}
+
+TEST(Case8, SeveralVolumesAtTheSamePlacesAreATimeSeries) {
+  Options options = plain_ct();
+  std::vector<std::string> files = files_of(options);
+  const std::vector<std::string> second = files_of(options);
+  files.insert(files.end(), second.begin(), second.end());
+  EXPECT_EQ(choose(scan_of(files)).code, "time_series");
+}
+
+TEST(Case9, AScoutAloneIsRefusedAsOne) {
+  Options options = plain_ct();
+  options.slices = 1;
+  options.series.image_type = "ORIGINAL\\PRIMARY\\LOCALIZER";
+  EXPECT_EQ(code_of(options), "scout");
+}
+
+TEST(Case9, ScoutsInAGoodSeriesAreLeftOut) {
+  Options options = plain_ct();
+  std::vector<std::string> files = files_of(options);
+  Options scout = options;
+  scout.slices = 2;
+  scout.rows = 30;
+  scout.series.image_type = "ORIGINAL\\PRIMARY\\LOCALIZER";
+  for (const std::string& file : files_of(scout)) files.push_back(file);
+  Options sagittal = options;  // not called a scout, but of another orientation
+  sagittal.slices = 1;
+  sagittal.series.orientation = {0, 1, 0, 0, 0, -1};
+  for (const std::string& file : files_of(sagittal)) files.push_back(file);
+  const Scan scan = scan_of(files);
+  const Assessment& a = only(scan);
+  ASSERT_TRUE(a.suitable) << a.text;
+  EXPECT_EQ(a.size[2], 20u);
+  ASSERT_EQ(a.repairs.size(), 1u);
+  EXPECT_NE(a.repairs[0].find("3 scout pictures"), std::string::npos);
+}
+
+TEST(Case10, RotatingProjectionsAreViewsNotSlices) {
+  Options options = plain_ct();
+  options.change = [](int z, SeriesSpec& series, SliceSpec& slice) {
+    const double angle = z * 0.3;
+    series.orientation = {std::cos(angle), std::sin(angle), 0, 0, 0, -1};
+    slice.position = {std::cos(angle) * 100, std::sin(angle) * 100, 50};
+  };
+  EXPECT_EQ(code_of(options), "views_not_slices");
+  options = plain_ct();
+  options.series.image_type = "ORIGINAL\\PRIMARY\\PROJECTION IMAGE\\MIP";
+  EXPECT_EQ(code_of(options), "views_not_slices");
+}
+
+TEST(Case11, OnePositionRepeatedIsRefused) {
+  Options options = plain_ct();
+  options.place = [](int) { return 5.0; };
+  EXPECT_EQ(code_of(options), "one_position");
+}
+
+TEST(Case12, MultiFrameFilesAreRefused) {
+  Options options = plain_ct();
+  options.series.sop_class = "1.2.840.10008.5.1.4.1.1.2.1";
+  EXPECT_EQ(code_of(options), "multi_frame");
+  options = plain_ct();
+  options.slices = 16;
+  options.change = [](int, SeriesSpec&, SliceSpec& slice) {
+    slice.extra.push_back({0x0028, 0x0008, "IS", "2", {}});
+    const std::vector<std::uint8_t> one = slice.pixels;
+    slice.pixels.insert(slice.pixels.end(), one.begin(), one.end());
+  };
+  EXPECT_EQ(code_of(options), "multi_frame");
+}
+
+TEST(Case13, SlicesWithoutAPlaceAreRefused) {
+  Options options = plain_ct();
+  options.series.with_geometry = false;
+  EXPECT_EQ(code_of(options), "no_position");
+}
+
+TEST(Case14, MixedSizesAreRefused) {
+  Options options = plain_ct();
+  options.change = [](int z, SeriesSpec& series, SliceSpec&) {
+    if (z == 7) series.pixel_spacing = {0.9, 0.9};
+  };
+  EXPECT_EQ(code_of(options), "mixed");
+}
+
+TEST(Case15, AScaleOfItsOwnForEachSliceIsRefused) {
+  Options options = plain_ct();
+  options.change = [](int z, SeriesSpec& series, SliceSpec&) { series.slope = 1 + 0.01 * z; };
+  EXPECT_EQ(code_of(options), "varying_rescale");
+}
+
+TEST(Case16, PaddingInMrIsRefusedUnlessItIsNothing) {
+  Options options = plain_ct();
+  options.series.sop_class = "1.2.840.10008.5.1.4.1.1.4";
+  options.series.modality = "MR";
+  options.series.extra = {{0x0028, 0x0120, "US", us(2000), {}}};
+  EXPECT_EQ(code_of(options), "padding");
+  options.series.extra = {{0x0028, 0x0120, "US", us(0), {}}};
+  EXPECT_TRUE(only(scan_of(files_of(options))).suitable);
+}
+
+TEST(Case18, ColourIsScreenshots) {
+  Options options = plain_ct();
+  options.series.photometric = "RGB";
+  options.series.samples = 3;
+  options.series.bits_allocated = options.series.bits_stored = 8;
+  options.series.high_bit = 7;
+  options.change = [](int, SeriesSpec& series, SliceSpec& slice) {
+    slice.pixels.assign(std::size_t{3} * series.rows * series.columns, 77);
+  };
+  EXPECT_EQ(code_of(options), "screenshots");
+  options = plain_ct();
+  options.series.photometric = "PALETTE COLOR";
+  EXPECT_EQ(code_of(options), "screenshots");
+}
+
+TEST(Case19, AnUnsupportedCompressionIsNamed) {
+  std::vector<std::string> files = files_of(plain_ct());
+  for (std::string& file : files) {
+    // MPEG-2 in the place of explicit little endian, of the same length.
+    const std::string from = std::string("1.2.840.10008.1.2.1") + '\0';
+    const std::size_t at = file.find(from);
+    ASSERT_NE(at, std::string::npos);
+    file.replace(at, from.size(), "1.2.840.10008.1.2.9\0");
+    file[at + 19] = '\0';
+  }
+  const Choice choice = choose(scan_of(files));
+  EXPECT_EQ(choice.code, "unsupported_compression");
+  EXPECT_NE(choice.text.find("1.2.840.10008.1.2.9"), std::string::npos) << choice.text;
+}
+
+TEST(Case21, ATruncatedFileIsLeftOutAndThenASliceIsMissing) {
+  std::vector<std::string> files = files_of(plain_ct());
+  files[5].resize(files[5].size() / 2);  // slice 18 of 20
+  const Scan scan = scan_of(files);
+  EXPECT_EQ(scan.left_out.damaged, 1u);
+  const Choice choice = choose(scan);
+  EXPECT_EQ(choice.code, "missing_slices");
+  EXPECT_NE(choice.text.find("damaged"), std::string::npos) << choice.text;
+}
+
+TEST(Case21, ATruncatedFileAtTheEndOfTheStackIsSaid) {
+  Options options = plain_ct();
+  std::vector<std::string> files = files_of(options);
+  for (int n = 0; n < 20; ++n) {
+    if ((7 * n + 3) % 20 == 19) files[static_cast<std::size_t>(n)].resize(300);
+  }
+  const Choice choice = choose(scan_of(files));
+  ASSERT_TRUE(choice.suitable) << choice.text;
+  ASSERT_EQ(choice.repairs.size(), 1u);
+  EXPECT_NE(choice.repairs[0].find("1 file was damaged"), std::string::npos);
+}
+
+TEST(Case22, WhatIsNoSliceIsNeverListed) {
+  const char* const others[] = {"1.2.840.10008.5.1.4.1.1.7",      // secondary capture
+                                "1.2.840.10008.5.1.4.1.1.88.67",  // dose report
+                                "1.2.840.10008.5.1.4.1.1.104.1",  // PDF
+                                "1.2.840.10008.5.1.4.1.1.481.3",  // structure set
+                                "1.2.840.10008.5.1.4.1.1.66.4"};  // segmentation
+  for (const char* sop_class : others) {
+    Options options = plain_ct();
+    options.series.sop_class = sop_class;
+    const Scan scan = scan_of(files_of(options));
+    EXPECT_TRUE(scan.series.empty()) << sop_class;
+    EXPECT_EQ(scan.left_out.not_slices, 20u);
+    EXPECT_EQ(choose(scan).code, "no_slices");
+  }
+}
+
+TEST(Case23, TwoPatientsOfOneSeriesAreListedApart) {
+  Options options = plain_ct();
+  std::vector<std::string> files = files_of(options);
+  options.series.extra = {{0x0010, 0x0020, "LO", "another", {}}};
+  for (const std::string& file : files_of(options)) files.push_back(file);
+  const Scan scan = scan_of(files);
+  EXPECT_EQ(scan.series.size(), 2u);
+  EXPECT_EQ(choose(scan).code, "several_series");
+  EXPECT_TRUE(choose_largest(scan).suitable);
+}
+
+TEST(Case24, TooFewSlicesAreRefused) {
+  Options options = plain_ct();
+  for (const int n : {1, 3, 15}) {
+    options.slices = n;
+    EXPECT_EQ(code_of(options), "too_few_slices") << n;
+  }
+  options.slices = 16;
+  EXPECT_TRUE(only(scan_of(files_of(options))).suitable);
+  options.slices = 20;
+  options.spacing = 0.9;
+  EXPECT_EQ(code_of(options), "too_few_slices") << "18 mm";
+}
+
+TEST(Case25, ASeriesOverTheQuotaIsRefused) {
+  ScanLimits limits;
+  limits.most_voxels = 12 * 10 * 20 - 1;
+  EXPECT_EQ(choose(scan_of(files_of(plain_ct()), limits)).code, "over_quota");
+  limits.most_voxels = 12 * 10 * 20;
+  EXPECT_TRUE(choose(scan_of(files_of(plain_ct()), limits)).suitable);
+}
+
+TEST(Originals, ComputedPicturesAreRefused) {
+  Options options = plain_ct();
+  options.series.image_type = "DERIVED\\SECONDARY\\REFORMATTED";
+  EXPECT_EQ(code_of(options), "not_original");
+}
+
+TEST(Scale, UnsignedCtWithoutAScaleIsRefused) {
+  Options options = plain_ct();
+  options.series.with_rescale = false;
+  EXPECT_EQ(code_of(options), "no_rescale");
+}
+
+TEST(Nothing, IsSaidInWords) {
+  EXPECT_EQ(choose(scan_of({})).code, "empty");
+  EXPECT_EQ(choose(scan_of({"", "plain text, no picture", std::string(9000, 'x')})).code,
+            "not_dicom");
+}
+
+TEST(Folder, SubfoldersAreReadAndLinksAreNot) {
+  namespace fs = std::filesystem;
+  std::string folder = (fs::temp_directory_path() / "diaphane-scan-XXXXXX").string();
+  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  fs::create_directories(folder + "/a/b");
+  int n = 0;
+  for (const std::string& file : files_of(plain_ct())) {
+    std::ofstream(folder + (++n % 2 == 0 ? "/a/" : "/a/b/") + std::to_string(n), std::ios::binary)
+        << file;
+  }
+  fs::create_symlink(folder + "/a", folder + "/loop");
+  fs::create_symlink("/etc/hostname", folder + "/link");
+  auto source = FolderSource::open(folder, ScanLimits().file.file_bytes);
+  ASSERT_TRUE(source.has_value());
+  EXPECT_EQ(source->size(), 20u);
+  auto found = scan(*source, {});
+  ASSERT_TRUE(found.has_value());
+  EXPECT_TRUE(choose(*found).suitable);
+  EXPECT_EQ(FolderSource::open(folder + "/none", 1000).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(FolderSource::open(folder + "/a/2", 1000).error().code, ErrorCode::kNotFound);
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace diaphane::dicom

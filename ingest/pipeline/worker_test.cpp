@@ -1,0 +1,233 @@
+#include "ingest/pipeline/worker.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "common/ids.h"
+#include "volume/volume.h"
+
+namespace diaphane::ingest {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A queue in memory that can be away, and that remembers what it was told.
+class FakeJobs final : public JobStore {
+ public:
+  Result<std::optional<Job>> claim() override {
+    if (away > 0) return gone<std::optional<Job>>();
+    if (waiting.empty()) return std::optional<Job>();
+    const Job job = waiting.front();
+    waiting.pop_front();
+    return std::optional<Job>(job);
+  }
+  Result<Hold> renew(const Job&) override {
+    if (away > 0) return gone<Hold>();
+    ++renewals;
+    return hold;
+  }
+  Result<Hold> finish_ready(const Job& job, const volume::Header& header, std::uint64_t) override {
+    if (away > 0) return gone<Hold>();
+    if (hold_at_finish != Hold::kOurs) return hold_at_finish;
+    ready.push_back(job.data_set_id);
+    last_header = header;
+    return Hold::kOurs;
+  }
+  Result<Hold> finish_refused(const Job& job, const std::string& code,
+                              const std::string&) override {
+    if (away > 0) return gone<Hold>();
+    refusals.emplace_back(job.data_set_id, code);
+    return Hold::kOurs;
+  }
+  Result<void> release(const Job& job) override {
+    released.push_back(job.data_set_id);
+    return {};
+  }
+  Result<void> upload_removed(const std::string& id) override {
+    removed.push_back(id);
+    return {};
+  }
+  Result<std::int64_t> queue_depth() override { return static_cast<std::int64_t>(waiting.size()); }
+
+  template <typename T>
+  Result<T> gone() {
+    --away;
+    return fail(ErrorCode::kUnavailable, "away");
+  }
+
+  std::deque<Job> waiting;
+  int away = 0;  ///< this many questions are not answered
+  int renewals = 0;
+  Hold hold = Hold::kOurs, hold_at_finish = Hold::kOurs;
+  std::vector<std::string> ready, released, removed;
+  std::vector<std::pair<std::string, std::string>> refusals;
+  volume::Header last_header;
+};
+
+class FakeBuilder final : public Builder {
+ public:
+  Result<Build> build(const std::string&, const GoOn& go_on) override {
+    ++builds;
+    if (failure) return tl::unexpected(*failure);
+    Build result;
+    const auto until = std::chrono::steady_clock::now() + takes;
+    while (std::chrono::steady_clock::now() < until) {
+      if (!go_on()) {
+        result.stopped = true;
+        return result;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    result.verdict = verdict;
+    if (verdict.ready) {
+      result.volume.header.size = {4, 3, 2};
+      result.volume.voxels.assign(24, 7);
+      volume::measure(result.volume);
+    }
+    return result;
+  }
+  Verdict verdict;
+  std::optional<Error> failure;
+  std::chrono::milliseconds takes{0};
+  int builds = 0;
+};
+
+class WorkerTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "diaphane-worker-XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    root_ = pattern;
+    fs::create_directories(root_ / "uploads");
+    fs::create_directories(root_ / "volumes");
+    options_.upload_dir = (root_ / "uploads").string();
+    options_.volume_dir = (root_ / "volumes").string();
+    options_.poll = std::chrono::milliseconds(5);
+    options_.renew = std::chrono::milliseconds(10);
+    options_.drain = std::chrono::milliseconds(50);
+    builder_.verdict.ready = true;
+  }
+  void TearDown() override { fs::remove_all(root_); }
+
+  Job put(int attempts = 1) {
+    const std::string id = new_id();
+    std::ofstream(root_ / "uploads" / (id + ".tar")) << "original";
+    jobs_.waiting.push_back({id, id, attempts});
+    return jobs_.waiting.back();
+  }
+  bool original_there(const Job& job) const {
+    return fs::exists(root_ / "uploads" / (job.upload_id + ".tar"));
+  }
+  fs::path volume_of(const Job& job) const { return root_ / "volumes" / job.data_set_id; }
+  Worker worker() { return Worker(options_, jobs_, builder_, {}); }
+
+  fs::path root_;
+  Worker::Options options_;
+  FakeJobs jobs_;
+  FakeBuilder builder_;
+};
+
+TEST_F(WorkerTest, ASuccessKeepsTheVolumeAndRemovesTheOriginal) {
+  const Job job = put();
+  auto w = worker();
+  EXPECT_TRUE(w.work_once());
+  EXPECT_EQ(jobs_.ready, std::vector{job.data_set_id});
+  EXPECT_TRUE(volume::read(volume_of(job).string(), true).has_value());
+  EXPECT_FALSE(original_there(job));
+  EXPECT_EQ(jobs_.removed, std::vector{job.upload_id});
+  EXPECT_FALSE(w.work_once()) << "nothing waits";
+}
+
+TEST_F(WorkerTest, ARefusalRemovesTheOriginalToo) {
+  builder_.verdict = refused("scout", "This is a scout.");
+  const Job job = put();
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_EQ(jobs_.refusals, (std::vector{std::pair(job.data_set_id, std::string("scout"))}));
+  EXPECT_FALSE(original_there(job));
+  EXPECT_FALSE(fs::exists(volume_of(job)));
+}
+
+TEST_F(WorkerTest, AResultIsHeldUntilPostgresIsBack) {
+  const Job job = put();
+  auto w = worker();
+  builder_.takes = std::chrono::milliseconds(30);
+  std::thread thread([&] { w.work_once(); });
+  while (builder_.builds == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  jobs_.away = 4;
+  thread.join();
+  EXPECT_EQ(jobs_.ready, std::vector{job.data_set_id});
+  EXPECT_FALSE(original_there(job));
+}
+
+TEST_F(WorkerTest, AFourthAttemptIsGivenUpWithoutReading) {
+  const Job job = put(4);
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_EQ(builder_.builds, 0);
+  ASSERT_EQ(jobs_.refusals.size(), 1u);
+  EXPECT_EQ(jobs_.refusals[0].second, "internal");
+  EXPECT_FALSE(original_there(job));
+}
+
+TEST_F(WorkerTest, OurOwnFailureIsNoRefusalAndKeepsTheOriginal) {
+  builder_.failure = Error{ErrorCode::kUnavailable, "no scratch", {}};
+  const Job job = put();
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_TRUE(jobs_.refusals.empty());
+  EXPECT_TRUE(original_there(job)) << "it is tried again when the lease has run out";
+}
+
+TEST_F(WorkerTest, ADataSetDeletedBeforeTheEndLeavesNothing) {
+  jobs_.hold_at_finish = Hold::kDeleted;
+  const Job job = put();
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_FALSE(fs::exists(volume_of(job)));
+  EXPECT_FALSE(original_there(job));
+}
+
+TEST_F(WorkerTest, ALostLeaseStopsTheBuildAndTouchesNothing) {
+  builder_.takes = std::chrono::seconds(20);
+  jobs_.hold = Hold::kLost;
+  const Job job = put();
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_TRUE(original_there(job)) << "somebody else needs it";
+  EXPECT_FALSE(fs::exists(volume_of(job)));
+  EXPECT_TRUE(jobs_.released.empty());
+}
+
+TEST_F(WorkerTest, ALeaseIsRenewedWhileBuilding) {
+  builder_.takes = std::chrono::milliseconds(120);
+  put();
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_GE(jobs_.renewals, 3);
+  EXPECT_EQ(jobs_.ready.size(), 1u);
+}
+
+TEST_F(WorkerTest, AStopGivesTheJobBackAfterTheGrace) {
+  builder_.takes = std::chrono::seconds(20);
+  const Job job = put();
+  auto w = worker();
+  std::thread thread([&] { w.run(); });
+  while (builder_.builds == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const auto before = std::chrono::steady_clock::now();
+  w.stop();
+  thread.join();
+  EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(2));
+  EXPECT_EQ(jobs_.released, std::vector{job.data_set_id});
+  EXPECT_TRUE(original_there(job));
+}
+
+TEST_F(WorkerTest, AVolumeThatAKilledClaimerLeftIsReplaced) {
+  const Job job = put();
+  fs::create_directories(volume_of(job));
+  std::ofstream(volume_of(job) / "voxels.i16") << "old";
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_TRUE(volume::read(volume_of(job).string(), true).has_value());
+  EXPECT_EQ(jobs_.ready.size(), 1u);
+}
+
+}  // namespace
+}  // namespace diaphane::ingest
