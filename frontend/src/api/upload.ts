@@ -9,8 +9,8 @@ export type UploadEnd = { readonly kind: "done" } | { readonly kind: "refused"; 
 
 export interface UploadEvents {
   progress(sent: number, total: number): void;
-  /** A cut, with the time until the next try; zero: it goes on. */
-  paused(retry_in_ms: number): void;
+  /** A cut; the next try comes by itself. */
+  paused(): void;
   end(end: UploadEnd): void;
 }
 
@@ -46,14 +46,10 @@ export function start_upload(bundle: Blob, url: string, csrf_token: () => string
         return;
       }
       const wait = waits_ms[Math.min(failures++, waits_ms.length - 1)] ?? 8000;
-      events.paused(wait);
-      timer = setTimeout(go_on, wait);
+      events.paused();
+      timer = setTimeout(() => upload.start(), wait);
     },
   });
-  function go_on(): void {
-    events.paused(0);
-    upload.start();
-  }
   upload.start();
   return {
     stop: () => {

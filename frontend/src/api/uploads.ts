@@ -69,8 +69,12 @@ export class Uploads {
     const id = upload.data_set_id;
     this.show({ data_set_id: id, sent: 0, total: bundle.size, paused: false, resumed, failed: false });
     const running = start_upload(bundle, upload.upload_url, () => this.api_.csrf_token, {
-      progress: (sent, total) => this.change(id, { sent, total, paused: false }),
-      paused: (retry_in_ms) => this.change(id, { paused: retry_in_ms > 0 }),
+      progress: (sent, total) => {
+        // A cut is over when more arrives than before it, not when a try begins.
+        const before = this.views_.value.get(id);
+        this.change(id, { sent, total, paused: before?.paused === true && sent <= before.sent });
+      },
+      paused: () => this.change(id, { paused: true }),
       end: (end) => {
         this.running_.delete(id);
         if (end.kind === "done") {
