@@ -12,6 +12,8 @@ namespace diaphane::ingest {
 namespace {
 
 using namespace dicom::testing;
+using dicom::SeriesSpec;
+using dicom::SliceSpec;
 namespace fs = std::filesystem;
 
 Result<volume::Volume> built(std::vector<std::string> files) {

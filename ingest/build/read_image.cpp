@@ -3,6 +3,7 @@
 #include <vtkCallbackCommand.h>
 #include <vtkCommand.h>
 #include <vtkExecutive.h>
+#include <vtkImageImport.h>
 #include <vtkImageReader2.h>
 #include <vtkInformation.h>
 #include <vtkMatrix4x4.h>
@@ -18,7 +19,7 @@
 #include <filesystem>
 #include <new>
 
-#include "ingest/build/image_axes.h"
+#include "ingest/build/image_header.h"
 #include "ingest/build/image_volume.h"
 #include "volume/header.h"
 
@@ -92,9 +93,18 @@ Axes straight(const double* spacing) {
 
 const char* const kNoAxes = "the file does not say how it lies in the patient";
 
+std::uint64_t bytes_of(vtkImageData* image) {
+  return static_cast<std::uint64_t>(image->GetNumberOfPoints()) *
+         static_cast<std::uint64_t>(image->GetScalarSize()) *
+         static_cast<std::uint64_t>(image->GetNumberOfScalarComponents());
+}
+
 Result<volume::Volume> read_meta(const std::string& path) {
   vtkNew<vtkMetaImageReader> reader;
   if (auto ok = Reading(reader).read(path); !ok) return tl::unexpected(ok.error());
+  if (!meta_image_is_whole(path, bytes_of(reader->GetOutput()))) {
+    return fail(ErrorCode::kInvalid, "the image is damaged or ends too early");
+  }
   auto axes = meta_image_axes(path);
   if (!axes) return tl::unexpected(axes.error());
   std::vector<std::string> repairs;
@@ -133,11 +143,43 @@ Result<volume::Volume> read_nifti(const std::string& path) {
                    scaled ? reader->GetRescaleIntercept() : 0, std::move(repairs));
 }
 
+/// An image over voxels that were unpacked here.
+vtkSmartPointer<vtkImageImport> image_of(PackedNrrd& packed) {
+  auto import = vtkSmartPointer<vtkImageImport>::New();
+  import->SetImportVoidPointer(packed.voxels.data(), 1);  // 1: it stays ours
+  const int type = packed.type == "int16"    ? VTK_SHORT
+                   : packed.type == "uint16" ? VTK_UNSIGNED_SHORT
+                   : packed.type == "uint8"  ? VTK_UNSIGNED_CHAR
+                   : packed.type == "int8"   ? VTK_SIGNED_CHAR
+                   : packed.type == "float"  ? VTK_FLOAT
+                                             : VTK_DOUBLE;
+  import->SetDataScalarType(type);
+  import->SetNumberOfScalarComponents(1);
+  import->SetWholeExtent(0, packed.size[0] - 1, 0, packed.size[1] - 1, 0, packed.size[2] - 1);
+  import->SetDataExtentToWholeExtent();
+  import->Update();
+  return import;
+}
+
 Result<volume::Volume> read_nrrd(const std::string& path) {
   auto axes = nrrd_axes(path);
   if (!axes) return tl::unexpected(axes.error());
   vtkNew<vtkNrrdReader> reader;
+  if (reader->CanReadFile(path.c_str()) == 0) {
+    return fail(ErrorCode::kInvalid, "the file is not what its name says");
+  }
+  auto packed = read_packed_nrrd(path);
+  if (!packed) return tl::unexpected(packed.error());
+  if (*packed) {
+    std::vector<std::string> said;
+    if (!*axes) said.emplace_back(kNoAxes);
+    return to_volume(image_of(**packed)->GetOutput(),
+                     axes->value_or(straight((*packed)->spacing.data())), 1, 0, std::move(said));
+  }
   if (auto ok = Reading(reader).read(path); !ok) return tl::unexpected(ok.error());
+  if (!nrrd_is_whole(path, bytes_of(reader->GetOutput()))) {
+    return fail(ErrorCode::kInvalid, "the image is damaged or ends too early");
+  }
   std::vector<std::string> repairs;
   if (!*axes) repairs.emplace_back(kNoAxes);
   return to_volume(reader->GetOutput(), axes->value_or(straight(reader->GetDataSpacing())), 1, 0,

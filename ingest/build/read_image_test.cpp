@@ -212,28 +212,58 @@ TEST_F(ReadImage, ANiftiInTimeIsRefused) {
   EXPECT_EQ(v.error().code, ErrorCode::kUnsupported);
 }
 
-std::string nrrd(const std::string& space, const std::string& directions) {
+std::string nrrd(const std::string& space, const std::string& directions, const std::string& data,
+                 const std::string& encoding = "raw") {
   return "NRRD0004\ntype: short\ndimension: 3\nspace: " + space +
-         "\nsizes: 4 3 2\nspace directions: " + directions +
-         "\nkinds: domain domain domain\nendian: little\nencoding: raw\nspace origin: (0,0,0)\n\n" +
-         voxels<std::int16_t>();
+         "\nsizes: 12 3 2\nspace directions: " + directions +
+         "\nkinds: domain domain domain\nendian: little\nencoding: " + encoding +
+         "\nspace origin: (0,0,0)\n\n" + data;
+}
+
+/// 12 x 3 x 2: VTK takes up to 9 columns for components of a vector.
+std::string long_rows() {
+  std::string data;
+  for (std::int16_t i = 0; i < 72; ++i) data.append(reinterpret_cast<const char*>(&i), 2);
+  return data;
+}
+
+std::string gzipped(const std::string& data, const fs::path& folder) {
+  const std::string path = (folder / "packed").string();
+  gzFile out = gzopen(path.c_str(), "wb");
+  gzwrite(out, data.data(), static_cast<unsigned>(data.size()));
+  gzclose(out);
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 TEST_F(ReadImage, NrrdIsReadWithItsDirections) {
-  auto v =
-      read_image(put("a.nrrd", nrrd("left-posterior-superior", "(0,0.5,0) (0,0,0.7) (1.5,0,0)")));
+  const std::string lps = "left-posterior-superior", turned = "(0,0.5,0) (0,0,0.7) (1.5,0,0)";
+  for (const std::string encoding : {"raw", "gzip"}) {
+    const std::string data = encoding == "raw" ? long_rows() : gzipped(long_rows(), folder_);
+    auto v = read_image(put(encoding + ".nrrd", nrrd(lps, turned, data, encoding)));
+    ASSERT_TRUE(v.has_value()) << encoding << v.error().message;
+    EXPECT_EQ(v->header.direction, (std::array<double, 9>{0, 0, 1, 1, 0, 0, 0, 1, 0}));
+    EXPECT_NEAR(v->header.spacing[0], 0.5, 1e-9);
+    for (int i = 0; i < 72; ++i) EXPECT_EQ(v->voxels[static_cast<std::size_t>(i)], i) << encoding;
+    v = read_image(put("cut.nrrd", nrrd(lps, turned, data.substr(0, data.size() / 2), encoding)));
+    EXPECT_FALSE(v.has_value()) << "cut off, " << encoding;
+  }
+  auto v = read_image(put(
+      "b.nrrd", nrrd("right-anterior-superior", "(-0.5,0,0) (0,-0.7,0) (0,0,1.5)", long_rows())));
   ASSERT_TRUE(v.has_value()) << v.error().message;
-  EXPECT_EQ(v->header.direction, (std::array<double, 9>{0, 0, 1, 1, 0, 0, 0, 1, 0}));
-  EXPECT_NEAR(v->header.spacing[0], 0.5, 1e-9);
-  EXPECT_EQ(v->voxels[23], 23);
-  v = read_image(put("b.nrrd", nrrd("right-anterior-superior", "(-0.5,0,0) (0,-0.7,0) (0,0,1.5)")));
-  ASSERT_TRUE(v.has_value()) << v.error().message;
-  EXPECT_EQ(v->header.direction, (std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1}));
-  EXPECT_EQ(
-      read_image(put("c.nrrd", nrrd("left-anterior-superior", "(0.5,0,0) (0,0.7,0) (0,0,1.5)")))
-          .error()
-          .code,
-      ErrorCode::kUnsupported);
+  const std::array<double, 9> straight{1, 0, 0, 0, 1, 0, 0, 0, 1};
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(v->header.direction[i], straight[i], 1e-9);
+  v = read_image(
+      put("c.nrrd", nrrd("left-anterior-superior", "(0.5,0,0) (0,0.7,0) (0,0,1.5)", long_rows())));
+  EXPECT_EQ(v.error().code, ErrorCode::kUnsupported);
+}
+
+TEST_F(ReadImage, ANiftiThatIsCutOffIsRefused) {
+  const std::string whole = nifti({0.5F, 0, 0, 0, 0, 0.7F, 0, 0, 0, 0, 1.5F, 0});
+  EXPECT_FALSE(read_image(put("a.nii", whole.substr(0, 370))).has_value());
+  const std::string packed = gzipped(whole, folder_);
+  EXPECT_TRUE(read_image(put("b.nii.gz", packed)).has_value());
+  EXPECT_FALSE(read_image(put("c.nii.gz", packed.substr(0, packed.size() - 30))).has_value());
 }
 
 TEST(ImageNames, AreKnownByTheirEnding) {
