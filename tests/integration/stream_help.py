@@ -1,0 +1,130 @@
+"""A viewer at the stream, and a scan to look at: what the tests of the gateway share."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import struct
+import time
+import uuid
+
+from api_client import Person, make_ready
+from harness import TestStack
+from house.bench_client import messages
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
+MESSAGES = messages()
+ClientMessage, ServerMessage = MESSAGES["ClientMessage"], MESSAGES["ServerMessage"]
+
+
+def store_ball(stack: TestStack, owner: Person, size: int = 48) -> str:
+    """A ball of bone in air, in the volume store and ready, as ingest would have left it."""
+    data_set = owner.upload(b"x" * 100)["id"]
+    middle, radius = (size - 1) / 2, size * 0.35
+    voxels = bytearray()
+    for z in range(size):
+        for y in range(size):
+            for x in range(size):
+                inside = (x - middle) ** 2 + (y - middle) ** 2 + (z - middle) ** 2 < radius**2
+                voxels += struct.pack("<h", 1200 if inside else -1000)
+    folder = stack.data_dir / "volumes" / data_set
+    folder.mkdir()
+    header = {
+        "format": 1, "size": [size] * 3, "spacing": [2.0] * 3, "direction": [1, 0, 0, 0, 1, 0, 0, 0, 1], "modality": "CT",
+        "minimum": -1000, "maximum": 1200, "percentiles": [-1000.0] * 5 + [1200.0] * 3,
+        "contentHash": "blake2b:" + hashlib.blake2b(voxels, digest_size=32).hexdigest(),
+    }
+    (folder / "volume.json").write_text(json.dumps(header))
+    (folder / "voxels.i16").write_bytes(voxels)
+    for path in (folder, *folder.iterdir()):
+        stack.stack.run_as.own(path)
+    make_ready(stack, data_set)
+    upload = stack.data_dir / "uploads" / f"{data_set}.tar"
+    if upload.exists():
+        os.unlink(upload)
+    return data_set
+
+
+def open_session(person: Person, data_set: str) -> tuple[str, str]:
+    """Session id and stream URL."""
+    answer = person.http.post("/v1/sessions", json={"data_set_id": data_set}, headers={"Idempotency-Key": uuid.uuid4().hex})
+    assert answer.status_code == 201, answer.text
+    return answer.json()["session_id"], answer.json()["stream_url"]
+
+
+def new_ticket(person: Person, session: str) -> str | None:
+    """Another stream URL; nothing while no worker is free."""
+    answer = person.http.post(f"/v1/sessions/{session}/tickets")
+    if answer.status_code == 503:
+        assert "retry-after" in answer.headers
+        return None
+    assert answer.status_code == 201, answer.text
+    return answer.json()["stream_url"]
+
+
+class Viewer:
+    """Speaks diaphane.v1 as the page does: greets, acknowledges each frame, sends scenes."""
+
+    def __init__(self, origin: str, stream_url: str, side: int = 96, greet: bool = True, port: int | None = None):
+        base = f"ws://127.0.0.1:{port}" if port else origin.replace("http", "ws", 1)
+        self.socket = connect(base + stream_url, origin=origin, subprotocols=["diaphane.v1"], compression=None,
+                              max_size=None, open_timeout=10, close_timeout=2)
+        self.input_seq = 0
+        self.config = None
+        if greet:
+            hello = ClientMessage()
+            hello.hello.protocol = 1
+            hello.hello.codecs.append(1)
+            hello.hello.pixel_ratio = 1
+            hello.hello.viewport.width = hello.hello.viewport.height = side
+            self.send(hello)
+            self.config = self.until("config")
+            self.input_seq = self.config.input_seq
+
+    def send(self, message) -> None:
+        self.socket.send(message.SerializeToString())
+
+    def receive(self, timeout: float = 10):
+        message = ServerMessage.FromString(self.socket.recv(timeout))
+        if message.WhichOneof("body") == "frame":
+            ack = ClientMessage()
+            ack.ack.seq, ack.ack.epoch = message.frame.seq, message.frame.epoch
+            ack.ack.received_us = ack.ack.decoded_us = ack.ack.presented_us = time.monotonic_ns() // 1000
+            self.send(ack)
+        return message
+
+    def until(self, kind: str, timeout: float = 15, condition=lambda _: True):
+        deadline = time.monotonic() + timeout
+        while (left := deadline - time.monotonic()) > 0:
+            message = self.receive(left)
+            if message.WhichOneof("body") == kind and condition(getattr(message, kind)):
+                return getattr(message, kind)
+        raise AssertionError(f"no such {kind} within {timeout} s")
+
+    def frame(self, timeout: float = 15, condition=lambda _: True):
+        return self.until("frame", timeout, condition)
+
+    def turn(self, degrees_like: float) -> int:
+        """Moves the eye; the new input's number."""
+        update = ClientMessage()
+        self.input_seq += 1
+        update.scene.input_seq = self.input_seq
+        update.scene.scene.CopyFrom(self.config.scene)
+        update.scene.scene.camera.eye.x += degrees_like
+        self.config.scene.CopyFrom(update.scene.scene)
+        self.send(update)
+        return self.input_seq
+
+    def close_code(self, timeout: float = 10) -> int:
+        """Reads to the end; the code with which the stream was closed, 1006 when it broke off."""
+        deadline = time.monotonic() + timeout
+        try:
+            while True:
+                self.socket.recv(max(0.0, deadline - time.monotonic()))
+        except ConnectionClosed as closed:
+            return closed.rcvd.code if closed.rcvd else 1006
+
+    def leave(self) -> None:
+        self.socket.close()

@@ -1,0 +1,264 @@
+"""The stream on real parts: browser's side, edge, gateway, Redis, renderd."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+import urllib.request
+import uuid
+
+import pytest
+from api_client import person, problem
+from stream_help import ClientMessage, Viewer, new_ticket, open_session, store_ball
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+PROGRAMS = ("postgres", "redis", "api", "renderd", "edge")
+
+
+@pytest.fixture(scope="module")
+def running(stack_house):
+    stack = stack_house.open(only=PROGRAMS)
+    yield stack
+    stack_house.shut(stack)
+
+
+@pytest.fixture(scope="module")
+def one(running):
+    return person(running)
+
+
+@pytest.fixture(scope="module")
+def ball(running, one) -> str:
+    return store_ball(running, one)
+
+
+@pytest.fixture
+def session(running, one, ball):
+    """A session and its first stream URL; ended afterwards."""
+    made = open_session(one, ball)
+    yield made
+    one.http.delete(f"/v1/sessions/{made[0]}")
+
+
+@pytest.fixture
+def breakable(stack_factory):
+    """A stack of its own with somebody and a ball in it: stack, person, data set."""
+    stack = stack_factory(only=PROGRAMS)
+    somebody = person(stack)
+    return stack, somebody, store_ball(stack, somebody)
+
+
+def test_a_scene_changes_the_picture_and_the_epoch(running, session):
+    viewer = Viewer(running.url, session[1])
+    assert viewer.config.session_id == session[0]
+    assert {preset.name for preset in viewer.config.presets} == {"skin", "muscle", "vessels", "bone"}
+    first = viewer.frame()
+    assert first.data[:2] == b"\xff\xd8" and first.width == first.height == 96
+    seq = viewer.turn(40)
+    after = viewer.frame(condition=lambda frame: frame.input_seq >= seq)
+    assert after.epoch > first.epoch and after.data != first.data
+    better = viewer.frame(condition=lambda frame: frame.epoch == after.epoch and frame.iteration > after.iteration)
+    assert better.error < after.error or after.error == float("inf")
+    viewer.leave()
+
+
+def test_a_scene_that_makes_no_sense_is_refused_and_the_picture_stays(running, session):
+    viewer = Viewer(running.url, session[1])
+    viewer.frame()
+    for value in (float("nan"), float("inf")):
+        update = ClientMessage()
+        viewer.input_seq += 1
+        update.scene.input_seq = viewer.input_seq
+        update.scene.scene.CopyFrom(viewer.config.scene)
+        update.scene.scene.camera.eye.x = value
+        viewer.send(update)
+        refusal = viewer.until("problem")
+        assert refusal.input_seq == viewer.input_seq and not refusal.fatal
+    seq = viewer.turn(20)
+    viewer.frame(condition=lambda frame: frame.input_seq >= seq)
+    viewer.leave()
+
+
+def test_a_reload_is_where_one_was(running, one, session):
+    viewer = Viewer(running.url, session[1])
+    viewer.frame()
+    viewer.turn(33)
+    viewer.leave()  # at once: what was sent last still counts
+    again = Viewer(running.url, new_ticket(one, session[0]))
+    assert again.config.scene == viewer.config.scene
+    again.leave()
+
+
+def test_another_window_takes_the_session_over(running, one, session):
+    first = Viewer(running.url, session[1])
+    first.frame()
+    second = Viewer(running.url, new_ticket(one, session[0]))
+    assert first.close_code() == 4409
+    second.frame()
+    second.leave()
+
+
+def test_ending_a_session_ends_its_stream(running, one, ball):
+    session, url = open_session(one, ball)
+    viewer = Viewer(running.url, url)
+    viewer.frame()
+    assert one.http.delete(f"/v1/sessions/{session}").status_code == 204
+    assert viewer.close_code() == 4404
+    problem(one.http.post(f"/v1/sessions/{session}/tickets"), 404, "not-found")
+
+
+def test_a_ticket_is_for_one_connection(running, session):
+    viewer = Viewer(running.url, session[1])
+    assert Viewer(running.url, session[1], greet=False).close_code() == 4401
+    assert Viewer(running.url, "/stream?ticket=" + "0" * 64, greet=False).close_code() == 4401
+    viewer.frame()
+    viewer.leave()
+
+
+def test_a_page_of_another_origin_is_refused_and_uses_no_ticket_up(running, session):
+    with pytest.raises(InvalidStatus) as refused:
+        connect(running.url.replace("http", "ws", 1) + session[1], origin="http://evil.test", subprotocols=["diaphane.v1"])
+    assert refused.value.response.status_code == 403
+    viewer = Viewer(running.url, session[1])
+    viewer.frame()
+    viewer.leave()
+
+
+def test_a_viewer_that_stops_reading_slows_nobody(running, one, ball, session):
+    """It acknowledges without reading, so that frames pile up; the other goes on at its pace."""
+    stalled_session, url = open_session(one, ball)
+    stalled = Viewer(running.url, url, side=512)
+    stalled.frame()
+    other = Viewer(running.url, session[1])
+    stopping = threading.Event()
+
+    def acknowledge_blindly():
+        # Nobody calls `receive` any more: the client's queue fills, and it stops reading from its socket.
+        seq = 1
+        while not stopping.wait(0.02):
+            seq += 1
+            message = ClientMessage()
+            message.ack.seq, message.ack.epoch = seq, 1
+            try:
+                stalled.send(message)
+            except Exception:  # noqa: BLE001 - closed by the gateway: that is the point
+                return
+
+    thread = threading.Thread(target=acknowledge_blindly)
+    thread.start()
+    waits = []
+    for _ in range(20):
+        seq = other.turn(1)
+        begun = time.monotonic()
+        other.frame(condition=lambda frame, seq=seq: frame.input_seq >= seq)
+        waits.append(time.monotonic() - begun)
+    stopping.set()
+    thread.join()
+    assert sorted(waits)[len(waits) * 9 // 10] < 2.0
+    other.leave()
+    stalled.socket.socket.close()
+    one.http.delete(f"/v1/sessions/{stalled_session}")
+
+
+def test_a_thumbnail_is_rendered_by_a_worker_and_then_cached(running, one, ball):
+    for _ in range(2):
+        answer = one.http.get(f"/v1/data-sets/{ball}/thumbnails/bone")
+        assert answer.status_code == 200 and answer.content[:2] == b"\xff\xd8"
+
+
+def test_the_gateway_counts(running, session):
+    viewer = Viewer(running.url, session[1])
+    viewer.frame()
+    with urllib.request.urlopen(f"http://127.0.0.1:{running.ports['api-admin']}/metrics") as answer:
+        text = answer.read().decode()
+    assert "diaphane_stream_attached 1" in text
+    assert 'diaphane_stream_refusals_total{reason="ticket"}' in text
+    viewer.leave()
+
+
+def back_again(stack, somebody, session: str, seconds: float) -> Viewer:
+    """As the page comes back: asks for tickets until a picture comes."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        try:
+            if url := new_ticket(somebody, session):
+                viewer = Viewer(stack.url, url)
+                viewer.frame(timeout=max(0.1, deadline - time.monotonic()))
+                return viewer
+        except Exception:  # noqa: BLE001 - not yet
+            pass
+        time.sleep(0.1)
+    raise AssertionError(f"the picture was not back within {seconds} s")
+
+
+def test_a_killed_worker_costs_five_seconds_and_no_scene(breakable):
+    stack, somebody, ball = breakable
+    session, url = open_session(somebody, ball)
+    viewer = Viewer(stack.url, url)
+    viewer.frame()
+    viewer.turn(77)
+    viewer.frame(condition=lambda frame: frame.input_seq >= viewer.input_seq)
+    time.sleep(0.5)  # the scene is kept at most 200 ms later
+    begun = time.monotonic()
+    stack.kill("renderd")
+    assert viewer.close_code() == 4503
+    assert time.monotonic() - begun < 1.0, "the viewer is told at once"
+    again = back_again(stack, somebody, session, 5.0 - (time.monotonic() - begun))
+    assert again.config.scene == viewer.config.scene
+    assert again.config.input_seq == viewer.input_seq
+    print(f"picture back after {time.monotonic() - begun:.2f} s")
+    again.leave()
+
+
+def test_a_worker_that_hangs_is_left(breakable):
+    stack, somebody, ball = breakable
+    _, url = open_session(somebody, ball)
+    viewer = Viewer(stack.url, url)
+    viewer.frame()
+    pid = stack.pids["renderd"]
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        assert viewer.close_code(12) == 4503
+    finally:
+        os.kill(pid, signal.SIGCONT)
+
+
+def test_streams_go_on_while_redis_is_away_and_new_sessions_come_when_it_is_back(breakable):
+    stack, somebody, ball = breakable
+    _, url = open_session(somebody, ball)
+    viewer = Viewer(stack.url, url)
+    viewer.frame()
+    stack.stop("redis")
+    for _ in range(8):
+        seq = viewer.turn(3)
+        viewer.frame(condition=lambda frame, seq=seq: frame.input_seq >= seq)
+        time.sleep(0.5)
+    answer = somebody.http.post("/v1/sessions", json={"data_set_id": ball}, headers={"Idempotency-Key": uuid.uuid4().hex})
+    problem(answer, 503, "unavailable")
+    assert "retry-after" in answer.headers
+    stack.start("redis")
+    made = stack.wait_until(lambda: somebody.http.post("/v1/sessions", json={"data_set_id": ball}).status_code == 201,
+                            10, "a new session")
+    assert made
+    seq = viewer.turn(3)
+    viewer.frame(condition=lambda frame: frame.input_seq >= seq)
+    viewer.leave()
+
+
+def test_an_api_that_stops_tells_its_viewers_to_come_back(breakable):
+    stack, somebody, ball = breakable
+    session, url = open_session(somebody, ball)
+    viewer = Viewer(stack.url, url)
+    viewer.frame()
+    stopping = threading.Thread(target=stack.stop, args=("api",))
+    begun = time.monotonic()
+    stopping.start()
+    assert viewer.close_code() == 1001
+    stopping.join()
+    assert time.monotonic() - begun < 4
+    stack.start("api")
+    stack.wait_ready("api")
+    back_again(stack, somebody, session, 5).leave()
