@@ -76,7 +76,7 @@ struct Listener::Impl {
 
   /// One request on its way; the last holder gives its share of the budget back.
   struct Exchange {
-    Exchange(Impl& i, http_request m) : impl(i), message(std::move(m)) { impl.in_flight.enter(); }
+    Exchange(Impl& i, const http_request& m) : impl(i), message(m) { impl.in_flight.enter(); }
     ~Exchange() {
       impl.body_bytes -= bytes;
       impl.in_flight.leave();
