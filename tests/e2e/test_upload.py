@@ -33,14 +33,14 @@ def test_a_folder_without_dicom_is_refused_in_words(person: Person, tmp_path: Pa
 def test_three_slices_are_refused_with_their_number(person: Person, cranium: Path, tmp_path: Path):
     some_slices(cranium, tmp_path / "few", 3)
     person.choose_folder(tmp_path / "few")
-    expect(person.page.get_by_text("Too few slices: 3. A volume needs 16 or more.")).to_be_visible()
+    expect(person.page.get_by_text("Too few slices: 3, and 16 are needed for a volume.")).to_be_visible()
 
 
 def test_a_truncated_slice_in_the_middle_is_missed(person: Person, cranium: Path, tmp_path: Path):
     slices = some_slices(cranium, tmp_path / "torn")
     slices[50].write_bytes(slices[50].read_bytes()[:20_000])
     person.choose_folder(tmp_path / "torn")
-    expect(person.page.get_by_text("1 slice is missing; copy the disc again.")).to_be_visible()
+    expect(person.page.get_by_text("1 slice is missing within the series; copy the disc again.")).to_be_visible()
 
 
 def test_a_tiny_file_that_claims_a_huge_picture_stops_nothing(person: Person, cranium: Path, tmp_path: Path):

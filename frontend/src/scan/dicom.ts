@@ -123,6 +123,7 @@ function header_of(data: DataSet, form: Form, file: number, file_bytes: number):
     bits_allocated,
     bits_stored: data.uint16("x00280101") ?? bits_allocated,
     is_signed: data.uint16("x00280103") === 1,
+    has_lookup_table: data.elements.x00283000 !== undefined,
     slope: finite(data.floatString("x00281053")) ?? 1,
     intercept: finite(data.floatString("x00281052")) ?? 0,
     window: finite(center) !== null && width !== undefined && width > 0 ? { center: center ?? 0, width } : null,

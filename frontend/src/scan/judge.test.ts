@@ -36,7 +36,7 @@ describe("what can become a volume", () => {
 
   it("allows a jitter of two in a hundred", async () => {
     expect(await refusal(series((i) => ({ z: i * 1.5 + (i % 2) * 0.014 })))).toBe("suitable");
-    expect(await refusal(series((i) => ({ z: i * 1.5 + (i % 2) * 0.2 })))).toBe("uneven_spacing");
+    expect(await refusal(series((i) => ({ z: i * 1.5 + (i % 2) * 0.2 })))).toBe("varying_spacing");
   });
 
   it("keeps one of two same objects and drops a scout inside a good series", async () => {
@@ -58,16 +58,19 @@ describe("what can become a volume", () => {
     ["too_few_slices", series(() => ({}), 3)],
     ["too_short", series(() => ({}), 24, 0.5)],
     ["scout", series(() => ({ image_type: "ORIGINAL\\PRIMARY\\LOCALIZER" }), 2)],
-    ["views", series(() => ({ image_type: "DERIVED\\SECONDARY\\PROJECTION IMAGE" }))],
+    ["views_not_slices", series(() => ({ image_type: "DERIVED\\SECONDARY\\PROJECTION IMAGE" }))],
+    ["not_original", series(() => ({ image_type: "DERIVED\\SECONDARY\\MPR" }))],
     ["screenshots", series(() => ({ photometric: "RGB", samples: 3, pixels: new Uint8Array(384) }))],
     ["screenshots", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.7" }))],
-    ["not_images", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.88.22" }), 1)],
+    ["no_slices", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.88.22" }), 1)],
     ["multi_frame", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.2.1", frames: 40 }), 1)],
     ["no_position", series(() => ({ position: null }))],
     ["no_position", series(() => ({ orientation: null }))],
     ["one_position", series(() => ({ z: 5 }))],
     ["time_series", series((i) => ({ z: (i % 12) * 2 }))],
+    ["repeated_position", series((i) => ({ z: Math.min(i, 20) * 2 }))],
     ["mixed", series((i) => (i > 20 ? { rows: 4 } : {}))],
+    ["mixed", series((i) => (i > 18 ? { orientation: [0, 1, 0, 0, 0, -1] } : {}))],
     ["mixed", series((i) => (i > 20 ? { spacing: [1, 1] } : {}))],
     ["missing_slices", series((i) => ({ z: (i < 12 ? i : i + 2) * 1.5 }))],
     ["tilted", series((i) => ({ position: [0, i * 0.2, i * 1.5] }))],

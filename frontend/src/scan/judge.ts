@@ -44,34 +44,34 @@ const refuse = (reason: Reason, count = 0): Unsuitable => ({ suitable: false, re
 export function judge(all: readonly SliceHeader[]): Suitable | Unsuitable {
   const of_class = all.filter((slice) => image_classes[slice.sop_class] === "plain");
   if (of_class.length === 0) return without_slices(all);
+  if (of_class.some(is_view)) return refuse("views_not_slices", of_class.length);
+  if (of_class.some(({ image_type: [first = ""] }) => first !== "" && first !== "ORIGINAL")) return refuse("not_original");
 
-  const kept = of_class.filter((slice) => !slice.image_type.includes("LOCALIZER"));
-  if (kept.length === 0) return refuse("scout", of_class.length);
-  if (kept.some(is_view)) return refuse("views", kept.length);
-  if (kept.some((s) => s.samples !== 1 || !s.photometric.startsWith("MONOCHROME"))) return refuse("screenshots", kept.length);
+  const single = without_doubles(of_class);
+  const kept = single.filter((slice) => !slice.image_type.includes("LOCALIZER"));
+  if (kept.length === 0) return refuse("scout", single.length);
   if (kept.some((slice) => slice.frames > 1)) return refuse("multi_frame", kept.length);
+  if (kept.some((s) => s.samples !== 1 || !/^MONOCHROME[12]$/.test(s.photometric))) return refuse("screenshots", kept.length);
   if (kept.some((slice) => !transfer_syntaxes.has(slice.transfer_syntax))) return refuse("unsupported_compression", kept.length);
 
-  const single = without_doubles(kept);
-  const whole = single.filter((slice) => !slice.truncated);
-  const left_out = {
-    scouts: of_class.length - kept.length,
-    doubles: kept.length - single.length,
-    damaged: single.length - whole.length,
-  };
-  if (whole.length === 0) return refuse("damaged", single.length);
-  return judge_geometry(whole, left_out);
+  const whole = kept.filter((slice) => !slice.truncated);
+  if (whole.length === 0) return refuse("damaged", kept.length);
+  return judge_geometry(whole, {
+    scouts: single.length - kept.length,
+    doubles: of_class.length - single.length,
+    damaged: kept.length - whole.length,
+  });
 }
 
 function without_slices(all: readonly SliceHeader[]): Unsuitable {
   const kinds = new Set(all.map((slice) => image_classes[slice.sop_class]));
   if (kinds.has("multi_frame")) return refuse("multi_frame", all.length);
   if (kinds.has("screenshots")) return refuse("screenshots", all.length);
-  return refuse("not_images", all.length);
+  return refuse("no_slices", all.length);
 }
 
-const view_marks = ["PROJECTION IMAGE", "MAX_IP", "MIN_IP", "MIP", "MINIP", "VOLREND", "VRT", "3D", "CSA MIP"];
-const is_view = (slice: SliceHeader) => slice.image_type.some((part) => view_marks.includes(part));
+const view_marks = ["PROJECTION", "MIP", "MINIP", "ROTAT", "VRT"];
+const is_view = (slice: SliceHeader) => slice.image_type.some((part) => view_marks.some((mark) => part.includes(mark)));
 
 /** Case 7: the same object twice on the disc. */
 function without_doubles(slices: readonly SliceHeader[]): SliceHeader[] {
@@ -85,14 +85,19 @@ function without_doubles(slices: readonly SliceHeader[]): SliceHeader[] {
 }
 
 function judge_geometry(slices: readonly SliceHeader[], left_out: LeftOut): Suitable | Unsuitable {
-  const first = slices[0];
-  if (!first?.orientation || !first.pixel_spacing || slices.some((s) => !s.position || !s.orientation || !s.pixel_spacing))
-    return refuse("no_position", slices.length);
-  if (slices.some((slice) => !fits(slice, first))) return refuse("mixed", slices.length);
+  if (slices.some((s) => !s.position || !s.orientation || !s.pixel_spacing)) return refuse("no_position", slices.length);
+  const [main, others] = by_orientation(slices);
+  const first = main[0];
+  if (!first?.orientation || !first.pixel_spacing) return refuse("no_position", slices.length);
+  if (others > most_strangers && main.length >= fewest_slices) return refuse("mixed", slices.length);
+  if (main.length < fewest_slices) return refuse("too_few_slices", main.length);
+  if (main.some((slice) => !same_size(slice, first))) return refuse("mixed", main.length);
+  if (main.some((slice) => slice.has_lookup_table)) return refuse("lookup_table");
+  if (main.some((s) => s.slope !== first.slope || s.intercept !== first.intercept)) return refuse("varying_rescale");
 
   const [a, b, c, d, e, f] = first.orientation;
   const normal = cross([a, b, c], [d, e, f]);
-  const placed = slices
+  const placed = main
     .map((slice) => ({ slice, at: dot(slice.position ?? [0, 0, 0], normal) }))
     .sort((x, y) => x.at - y.at || x.slice.file - y.slice.file);
   const positions = placed.map(({ at }) => at);
@@ -100,14 +105,13 @@ function judge_geometry(slices: readonly SliceHeader[], left_out: LeftOut): Suit
   const high = positions.at(-1) ?? 0;
   const gaps = positions.slice(1).map((at, i) => at - (positions[i] ?? 0));
 
-  if (slices.length > 1 && high - low < 0.01) return refuse("one_position", slices.length);
-  if (gaps.some((gap) => gap < 0.01)) return refuse("time_series", slices.length);
-  if (slices.length < fewest_slices) return refuse("too_few_slices", slices.length);
-  const spacing = (high - low) / (slices.length - 1);
+  const places = 1 + gaps.filter((gap) => gap > jitter_mm).length;
+  if (places < main.length) return repeated(places, main.length);
+  if (is_sheared(placed[0]?.slice, placed.at(-1)?.slice, normal, high - low)) return refuse("tilted", main.length);
+  const spacing = (high - low) / (main.length - 1);
   const uneven = judge_gaps(gaps, spacing);
   if (uneven) return uneven;
-  if (is_sheared(placed[0]?.slice, placed.at(-1)?.slice, normal, high - low)) return refuse("tilted", slices.length);
-  if (spacing * slices.length < shortest_mm) return refuse("too_short", Math.round(spacing * slices.length));
+  if (spacing * main.length < shortest_mm) return refuse("too_short", Math.round(spacing * main.length));
 
   const ordered = placed.map(({ slice }) => slice);
   return {
@@ -115,29 +119,45 @@ function judge_geometry(slices: readonly SliceHeader[], left_out: LeftOut): Suit
     files: ordered.map((slice) => slice.file),
     size: [first.columns, first.rows, ordered.length],
     size_mm: [first.columns * first.pixel_spacing[1], first.rows * first.pixel_spacing[0], ordered.length * spacing],
-    left_out,
+    left_out: { ...left_out, scouts: left_out.scouts + others },
   };
 }
 
-function fits(slice: SliceHeader, first: SliceHeader): boolean {
-  const close = (a: readonly number[] | null, b: readonly number[] | null, tolerance: number) =>
-    a?.every((value, i) => Math.abs(value - (b?.[i] ?? Number.NaN)) <= tolerance) ?? false;
-  return (
-    slice.rows === first.rows &&
-    slice.columns === first.columns &&
-    close(slice.orientation, first.orientation, 1e-3) &&
-    close(slice.pixel_spacing, first.pixel_spacing, 1e-3)
-  );
+const jitter_mm = 0.01;
+/** So many pictures of another direction are scouts without the word; more are another series. */
+const most_strangers = 3;
+
+/** Those of the direction that most share, and how many others there are. */
+function by_orientation(slices: readonly SliceHeader[]): [SliceHeader[], number] {
+  const groups: SliceHeader[][] = [];
+  for (const slice of slices) {
+    const group = groups.find(([first]) => first && near(slice.orientation, first.orientation, 4e-3));
+    if (group) group.push(slice);
+    else groups.push([slice]);
+  }
+  const largest = groups.reduce((a, b) => (b.length > a.length ? b : a), []);
+  return [largest, slices.length - largest.length];
 }
+
+function repeated(places: number, slices: number): Unsuitable {
+  if (places === 1) return refuse("one_position", slices);
+  return refuse(slices >= 2 * places - Math.floor(places / 10) ? "time_series" : "repeated_position", slices);
+}
+
+const near = (a: readonly number[] | null, b: readonly number[] | null, tolerance: number): boolean =>
+  a?.every((value, i) => Math.abs(value - (b?.[i] ?? Number.NaN)) <= tolerance) ?? false;
+
+const same_size = (slice: SliceHeader, first: SliceHeader): boolean =>
+  slice.rows === first.rows && slice.columns === first.columns && near(slice.pixel_spacing, first.pixel_spacing, 1e-3);
 
 /** Cases 2, 5 and 6: nothing when the gaps are even. */
 function judge_gaps(gaps: readonly number[], mean: number): Unsuitable | null {
-  const even = (gap: number, to: number) => Math.abs(gap - to) <= Math.max(0.01, 0.02 * to);
+  const even = (gap: number, to: number) => Math.abs(gap - to) <= Math.max(jitter_mm, 0.02 * to);
   if (gaps.every((gap) => even(gap, mean))) return null;
   const main = [...gaps].sort((x, y) => x - y)[Math.floor(gaps.length / 2)] ?? mean;
   if (gaps.every((gap) => Math.round(gap / main) >= 1 && even(gap / Math.round(gap / main), main)))
     return refuse("missing_slices", gaps.reduce((sum, gap) => sum + Math.round(gap / main) - 1, 0));
-  return refuse("uneven_spacing");
+  return refuse("varying_spacing");
 }
 
 /** Case 4: the stack leans by more than 0.1 degree. */

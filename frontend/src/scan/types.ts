@@ -22,6 +22,7 @@ export interface SliceHeader {
   readonly bits_allocated: number;
   readonly bits_stored: number;
   readonly is_signed: boolean;
+  readonly has_lookup_table: boolean;
   readonly slope: number;
   readonly intercept: number;
   readonly window: { readonly center: number; readonly width: number } | null;
@@ -62,19 +63,23 @@ export interface Patient {
   readonly birth_date: string;
 }
 
-/** Why a series cannot become a volume: the cases of ingest, as keys of the texts. */
+/** Why a series cannot become a volume: the codes of ingest (ingest/dicom/classify.cpp), as keys of the texts. */
 export type Reason =
-  | "not_images"
+  | "no_slices"
   | "screenshots"
   | "scout"
-  | "views"
+  | "views_not_slices"
+  | "not_original"
   | "multi_frame"
   | "no_position"
   | "one_position"
+  | "repeated_position"
   | "time_series"
   | "mixed"
+  | "lookup_table"
+  | "varying_rescale"
   | "missing_slices"
-  | "uneven_spacing"
+  | "varying_spacing"
   | "tilted"
   | "unsupported_compression"
   | "damaged"
