@@ -144,8 +144,11 @@ int run(int argc, char** argv) {
 
   RenderWorker::Options worker_options;
   worker_options.volume_dir = settings.volume_dir;
-  worker_options.volume_bytes =
-      settings.volume_bytes > 0 ? settings.volume_bytes : info.memory_bytes / 2;
+  if (settings.volume_bytes > 0) {
+    worker_options.volume_bytes = settings.volume_bytes;
+  } else if (info.memory_bytes > 0) {
+    worker_options.volume_bytes = info.memory_bytes / 2;
+  }
   worker_options.encoder_threads =
       std::max(1U, std::min(8U, std::thread::hardware_concurrency() / 4));
   worker_options.host.slots = settings.slots;

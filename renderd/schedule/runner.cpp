@@ -334,7 +334,7 @@ bool Runner::still_quantum() {
       std::clamp<double>(fitting, 1, static_cast<double>(std::max<std::uint64_t>(left, 1))));
   const auto batch = job.renderer->render(samples, [this] { return stopping_.load(); });
   if (!batch) {
-    const Error why = batch.error();
+    const Error& why = batch.error();
     end(tl::unexpected(why), 0);
     if (why.code == ErrorCode::kDeviceLost && options_.device_lost) options_.device_lost(why);
     return true;

@@ -157,7 +157,7 @@ void SessionHost::moved_away(const std::string& id) {
     sessions_.erase(found);
     metrics_.sessions(sessions_.size());
   }
-  session->end({ErrorCode::kConflict, "The session goes on at another render server.", {}});
+  session->end({ErrorCode::kConflict, "This session has ended here.", {}});
 }
 
 std::vector<SessionHost::Session> SessionHost::all() const {

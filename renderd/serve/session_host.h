@@ -54,7 +54,7 @@ class SessionHost {
   void refuse_new();
   /// Ends all with a fatal Problem "unavailable", so that their viewers come back elsewhere.
   void end_all();
-  /// It lives on another worker now: ended here.
+  /// It lives on another worker now, or was ended in Redis: ended here.
   void moved_away(const std::string& id);
 
   std::vector<Live> live() const;

@@ -36,19 +36,17 @@ void VolumeCache::get(const std::string& id, Ready ready) {
     const auto [found, is_new] = entries_.try_emplace(id);
     Entry& entry = found->second;
     entry.used = ++turn_;
-    if (entry.volume) {
-      present = entry.volume;
-    } else {
+    if (!entry.volume) {
       entry.waiting.push_back(std::move(ready));
-      if (!is_new) return;
-      queue_.push_back(id);
+      if (is_new) {
+        queue_.push_back(id);
+        work_ready_.notify_one();
+      }
+      return;
     }
+    present = entry.volume;
   }
-  if (present) {
-    ready(std::move(present));
-  } else {
-    work_ready_.notify_one();
-  }
+  ready(std::move(present));
 }
 
 Result<VolumeCache::Handle> VolumeCache::load_safely(const std::string& id) {
