@@ -1,6 +1,6 @@
 """Real pages in headless Chromium against the real programs.
 
-    visit      opens a page of its own (own cookies): visit(), visit(phone=True), visit(dark=True)
+    visit      opens a page of its own (own cookies): visit(), visit(phone=True), visit(wide=True, dark=True)
     cranium    a folder with the DICOM series of a made-up patient
     pictures   a folder for screenshots to look at: $DIAPHANE_PICTURES, or a temporary one
 
@@ -39,8 +39,11 @@ def browser():
 def visit(browser: Browser):
     contexts, faults = [], []
 
-    def open_page(phone: bool = False, dark: bool = False, **more) -> Page:
-        size = {"width": 390, "height": 844} if phone else {"width": 1440, "height": 900}
+    def open_page(phone: bool = False, dark: bool = False, wide: bool = False, **more) -> Page:
+        # Not wider than a test needs: two cores render it.
+        size = {"width": 1440, "height": 900} if wide else {"width": 960, "height": 640}
+        if phone:
+            size = {"width": 390, "height": 844}
         context = browser.new_context(viewport=size, color_scheme="dark" if dark else "light", is_mobile=phone,
                                       has_touch=phone, device_scale_factor=2 if phone else 1, **more)
         contexts.append(context)

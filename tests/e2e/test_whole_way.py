@@ -12,7 +12,7 @@ from harness import TestStack
 from person import Person
 from picture import difference, drag, facts, pixels, spread, wait_for_samples
 
-ENOUGH = 16  # samples a pixel: at 128 x 128 their noise is far below what a turn changes
+ENOUGH = 8  # samples a pixel: at 128 x 128 their noise is far below what a turn changes
 
 
 def test_a_person_sees_turns_and_finds_again_the_own_scan(stack: TestStack, visit, cranium: Path, pictures: Path):

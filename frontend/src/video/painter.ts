@@ -33,8 +33,10 @@ export class Painter {
   private draw(source: CanvasImageSource, width: number, height: number): void {
     if (width === 0 || height === 0) return;
     const canvas = this.canvas_;
-    const shown_width = (width * canvas.height) / height;
-    this.context_.imageSmoothingEnabled = shown_width !== width;
+    const fitting = (width * canvas.height) / height;
+    // A smaller frame has its sides rounded to whole pixels: that is no other shape.
+    const shown_width = Math.abs(fitting - canvas.width) < 0.02 * canvas.width ? canvas.width : fitting;
+    this.context_.imageSmoothingEnabled = shown_width !== width || canvas.height !== height;
     this.context_.imageSmoothingQuality = "high";
     if (shown_width < canvas.width - 1) this.context_.clearRect(0, 0, canvas.width, canvas.height);
     this.context_.drawImage(source, (canvas.width - shown_width) / 2, 0, shown_width, canvas.height);

@@ -3,6 +3,18 @@ import { ApiProblem } from "../api/client";
 import type { PresetName } from "../api/types";
 import { useApp } from "./state";
 
+/** Each picture is rendered when first asked for: one after the other, so that the view itself does not wait. */
+let last_asked: Promise<unknown> = Promise.resolve();
+
+function in_turn<T>(task: () => Promise<T>): Promise<T> {
+  const result = last_asked.then(task, task);
+  last_asked = result.catch(() => undefined);
+  return result;
+}
+
+const longest_wait_ms = 8000;
+const most_tries = 60;
+
 /**
  * The address of a data set's picture under a preset; nothing while it is being made: it is asked for again.
  * Through `fetch`, as an <img> cannot ask again when a renderer is not there yet.
@@ -17,13 +29,13 @@ export function use_thumbnail(data_set_id: string, preset: PresetName, wanted: b
     let timer: ReturnType<typeof setTimeout> | undefined;
     const ask = async (tries: number): Promise<void> => {
       try {
-        const picture = await app.api.thumbnail(data_set_id, preset, leaving.signal);
+        const picture = await in_turn(() => app.api.thumbnail(data_set_id, preset, leaving.signal));
         made = URL.createObjectURL(picture);
         set_url(made);
       } catch (thrown) {
         const later = thrown instanceof ApiProblem && (thrown.status === 0 || thrown.status === 429 || thrown.status >= 500);
-        if (leaving.signal.aborted || !later || tries > 20) return;
-        timer = setTimeout(() => void ask(tries + 1), Math.max(thrown.retry_after_ms, 1500));
+        if (leaving.signal.aborted || !later || tries > most_tries) return;
+        timer = setTimeout(() => void ask(tries + 1), Math.max(thrown.retry_after_ms, Math.min(longest_wait_ms, 1000 * (tries + 1))));
       }
     };
     void ask(0);
