@@ -16,10 +16,10 @@ struct EmissionQuestion {
   bool room = true;           ///< its slot before the encoder is free and it keeps up
 };
 
-/// Pure: the first sample of an epoch at once, then each doubling; while moving every 120 ms; once
-/// when it came to rest, for the quality; at rest at least each second when a quarter more samples
-/// came in; and the converged one. Without room only what replaces the picture that waits: a new
-/// epoch's first, and the last.
+/// Pure: the first sample of an epoch at once, then each doubling, but not within 30 ms; while
+/// moving every 120 ms; once when it came to rest, for the quality; at rest at least each second
+/// when a quarter more samples came in; and the converged one. Without room only what replaces the
+/// picture that waits: a new epoch's first, and the last.
 bool should_emit(const EmissionQuestion& question);
 
 }  // namespace diaphane::render

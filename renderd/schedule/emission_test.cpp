@@ -5,7 +5,7 @@
 namespace diaphane::render {
 namespace {
 
-EmissionQuestion shown(std::uint64_t samples, std::uint64_t shown, double seconds = 0.01) {
+EmissionQuestion shown(std::uint64_t samples, std::uint64_t shown, double seconds = 0.05) {
   EmissionQuestion q;
   q.samples = samples;
   q.samples_shown = shown;
@@ -29,6 +29,12 @@ TEST(Emission, AtRestAPictureIsShownAtEachDoublingOnly) {
     ++pictures;
   }
   EXPECT_EQ(pictures, 11);  // 1, 2, 4 ... 1024
+}
+
+TEST(Emission, RefinementsAreNotShownFasterThanAnybodySees) {
+  EXPECT_FALSE(should_emit(shown(64, 1, 0.01)));
+  EXPECT_TRUE(should_emit(shown(64, 1, 0.04)));
+  EXPECT_TRUE(should_emit(shown(1, 0, 0.0))) << "a new epoch's first picture never waits";
 }
 
 TEST(Emission, WhileMovingNoPictureIsOlderThanAFewHundredMilliseconds) {

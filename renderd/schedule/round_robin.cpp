@@ -5,11 +5,11 @@
 namespace diaphane::render {
 namespace {
 
-std::uint32_t samples_within(const SessionView& session, double seconds, std::uint32_t most) {
-  if (session.samples == 0 || !(session.seconds_per_sample > 0)) return 1;
-  const double fitting = std::min(seconds / session.seconds_per_sample, static_cast<double>(most));
-  const auto doubling = static_cast<std::uint32_t>(std::min<std::uint64_t>(session.samples, most));
-  return std::clamp<std::uint32_t>(static_cast<std::uint32_t>(fitting), 1, doubling);
+// At least one sample; as many as fit, but no more than `most`.
+std::uint32_t samples_within(double seconds, double seconds_per_sample, std::uint64_t most) {
+  if (!(seconds_per_sample > 0)) return 1;
+  const double fitting = std::min(seconds / seconds_per_sample, static_cast<double>(most));
+  return std::max<std::uint32_t>(static_cast<std::uint32_t>(fitting), 1);
 }
 
 }  // namespace
@@ -20,18 +20,22 @@ bool gains(const SessionView& session) {
 }
 
 std::optional<Quantum> RoundRobin::next(std::span<const SessionView> sessions) {
-  const SessionView* after = nullptr;  // the lowest handle above the last turn
-  const SessionView* first = nullptr;  // the lowest handle of all: where the round begins again
+  const SessionView* after = nullptr;   // the lowest handle above the last turn
+  const SessionView* lowest = nullptr;  // of all: where the round begins again
   for (const SessionView& session : sessions) {
     if (!gains(session)) continue;
-    if (!first || session.session < first->session) first = &session;
+    if (!lowest || session.session < lowest->session) lowest = &session;
     if (session.session > last_ && (!after || session.session < after->session)) after = &session;
   }
-  const SessionView* chosen = after ? after : first;
+  const SessionView* chosen = after ? after : lowest;
   if (!chosen) return std::nullopt;
   last_ = chosen->session;
-  return Quantum{chosen->session,
-                 samples_within(*chosen, options_.quantum_seconds, options_.max_samples)};
+  const bool first = chosen->samples == 0;
+  const std::uint64_t most = options_.max_samples;
+  return Quantum{
+      chosen->session,
+      samples_within(first ? options_.first_seconds : options_.quantum_seconds,
+                     chosen->seconds_per_sample, first ? most : std::min(chosen->samples, most))};
 }
 
 }  // namespace diaphane::render

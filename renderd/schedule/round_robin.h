@@ -9,11 +9,13 @@ bool gains(const SessionView& session);
 
 /// Every session that gains takes its turn, in order of handles; a baseline of the thesis (7).
 /// A quantum is as many samples as fit `quantum_seconds`, at least one, and at most as many as the
-/// session has, so that frames at the doublings of the sample count are not jumped over.
+/// session has, so that frames at the doublings of the sample count are not jumped over. The first
+/// of an epoch fits `first_seconds`: a fast device shows a better picture before anybody notices.
 class RoundRobin final : public Policy {
  public:
   struct Options {
     double quantum_seconds = 0.03;  ///< input to anybody's picture waits at most about this long
+    double first_seconds = 0.008;
     std::uint32_t max_samples = 1024;
   };
 

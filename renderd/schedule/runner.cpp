@@ -202,9 +202,14 @@ void Runner::refresh(Track& track, Time now) {
     track.planned = track.canvas;
     return;
   }
-  const double cost = track.seconds_per_pixel > 0 ? track.seconds_per_pixel : seconds_per_pixel_;
-  track.planned = plan_canvas({track.wanted.viewport, track.canvas, cost, track.moving});
+  track.planned =
+      plan_canvas({track.wanted.viewport, track.canvas, seconds_per_pixel(track), track.moving});
   if (track.refused_size == track.planned) track.planned = track.canvas;
+}
+
+// Until a session was measured itself, it costs what the last one cost.
+double Runner::seconds_per_pixel(const Track& track) const {
+  return track.seconds_per_pixel > 0 ? track.seconds_per_pixel : seconds_per_pixel_;
 }
 
 SessionView Runner::view_of(const Track& track, Time now) const {
@@ -216,7 +221,7 @@ SessionView Runner::view_of(const Track& track, Time now) const {
   if (!track.stale() && !converged(track))
     view.error = std::max(view.error, 2 * options_.target_error);
   view.target_error = options_.target_error;
-  view.seconds_per_sample = track.seconds_per_pixel * pixels(track.planned);
+  view.seconds_per_sample = seconds_per_pixel(track) * pixels(track.planned);
   view.seconds_since_input = seconds_between(track.wanted.last_input, now);
   view.seconds_since_frame = seconds_between(track.shown_at, now);
   view.visible = track.wanted.visible;

@@ -74,6 +74,7 @@ class Runner {
   void quantum(Track& track, std::uint32_t samples);
   bool still_quantum();
   SessionView view_of(const Track& track, Time now) const;
+  double seconds_per_pixel(const Track& track) const;
   bool converged(const Track& track) const;
   std::chrono::nanoseconds next_rest() const;
   void drop(Track& track, const Error& why);

@@ -122,6 +122,10 @@ void LiveSession::end(const Error& why) {
 void LiveSession::tick() {
   const std::lock_guard lock(mutex_);
   const TimePoint now = parts_.clock.now();
+  if (greeting_overdue(state_, now)) {
+    finish_link({ErrorCode::kInvalid, "The page did not say anything.", {}}, true);
+    render::detach(state_, now);
+  }
   const double seconds = std::chrono::duration<double>(now - stats_since_).count();
   if (seconds < 1) return;
   const std::uint64_t skipped = lane_ ? lane_->skipped() : 0;

@@ -323,6 +323,21 @@ TEST_F(HostTest, ManyThousandScenesASecondAreCoalesced) {
   EXPECT_TRUE(other.link->inbox.next_of(Kind::kFrame));
 }
 
+TEST_F(HostTest, AConnectionThatSaysNothingIsEnded) {
+  worker.reset();
+  worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
+                                          manual);
+  Viewer silent = attach(new_id(), 1, false);
+  Viewer one = attach(new_id());
+  manual.advance(9s);
+  worker->host().tick();
+  EXPECT_FALSE(silent.link->inbox.ended(20ms));
+  manual.advance(2s);
+  worker->host().tick();
+  EXPECT_EQ(silent.link->inbox.ended()->code, ErrorCode::kInvalid);
+  EXPECT_FALSE(one.link->inbox.ended(20ms));
+}
+
 TEST_F(HostTest, AnAbandonedSessionIsKeptHalfAMinuteWithItsFilm) {
   worker.reset();
   worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,

@@ -233,6 +233,10 @@ Departure depart(SessionState& state, const FrameInfo& frame, TimePoint now) {
   return departure;
 }
 
+bool greeting_overdue(const SessionState& state, TimePoint now) {
+  return state.attached && !state.greeted && now - state.heard_at >= kGreetingWithin;
+}
+
 bool watched(const SessionState& state, TimePoint now) {
   if (!state.attached || !state.greeted || !state.wanted.visible) return false;
   return state.flight.unacknowledged() == 0 || now - state.heard_at < kStalledAfter;

@@ -59,6 +59,9 @@ inline constexpr std::uint32_t kLargestSide = 4096;
 /// A viewer that acknowledges nothing for so long gets no more device time until it does.
 inline constexpr std::chrono::seconds kStalledAfter{15};
 
+/// A connection that says no Hello within this time is ended: it holds a slot for nothing.
+inline constexpr std::chrono::seconds kGreetingWithin{10};
+
 diaphane::v1::Problem problem_of(const Error& error, std::uint64_t input_seq, bool fatal);
 /// kInvalid or kTooLarge, naming the side.
 Result<Canvas> check_viewport(const diaphane::v1::Viewport& viewport);
@@ -88,6 +91,9 @@ struct Departure {
   std::optional<double> input_to_frame;      ///< seconds, when this frame answers an input first
 };
 Departure depart(SessionState& state, const FrameInfo& frame, TimePoint now);
+
+/// Attached, and silent for too long.
+bool greeting_overdue(const SessionState& state, TimePoint now);
 
 /// Whether a quantum for it would be of use to anybody.
 bool watched(const SessionState& state, TimePoint now);
