@@ -20,6 +20,10 @@ namespace {
 // Enough for two frames on a slow line; a bigger one would only make frames older.
 constexpr int kSendBufferBytes = 512 * 1024;
 
+// For the answer to a refused handshake to arrive.
+constexpr std::size_t kLingerBytes = 256 * 1024;
+constexpr std::chrono::seconds kLingerTime{2};
+
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
 bool is_request_id(std::string_view text) {
@@ -76,12 +80,16 @@ void Connection::read_handshake() {
 
 void Connection::on_handshake(ErrorCodeOf error) {
   if (error) {
-    hub_.metrics.refused("handshake");
     if (error == http::error::header_limit || error == http::error::buffer_overflow) {
-      answer_plainly(http::status::request_header_fields_too_large, "The headers are too large.",
-                     "");
+      return answer_plainly(http::status::request_header_fields_too_large,
+                            "The headers are too large.", "handshake");
     }
-    return;  // slow, gone, or no HTTP: closed with its last reference
+    const bool is_http =
+        error.category() == http::make_error_code(http::error::bad_version).category();
+    if (is_http && error != http::error::end_of_stream && error != http::error::partial_message) {
+      return answer_plainly(http::status::bad_request, "The request is malformed.", "handshake");
+    }
+    return hub_.metrics.refused("handshake");  // slow or gone: closed with its last reference
   }
   const Request& request = parser_->get();
   // Bytes before our answer were never a browser's.
@@ -114,12 +122,24 @@ void Connection::answer_plainly(http::status status, std::string_view sentence,
   answer->prepare_payload();
   beast::get_lowest_layer(socket_).expires_after(hub_.limits.handshake);
   http::async_write(socket_.next_layer(), *answer,
-                    [self = shared_from_this(), answer](ErrorCodeOf, std::size_t) {
-                      ErrorCodeOf ignored;
-                      beast::get_lowest_layer(self->socket_)
-                          .socket()
-                          .shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+                    [self = shared_from_this(), answer](ErrorCodeOf failed, std::size_t) {
+                      if (!failed) self->linger(kLingerBytes);
                     });
+}
+
+// With bytes unread, closing would reset the connection and the answer be lost on its way.
+void Connection::linger(std::size_t left) {
+  ErrorCodeOf ignored;
+  auto& tcp = beast::get_lowest_layer(socket_);
+  if (left == kLingerBytes) {
+    tcp.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+    tcp.expires_after(kLingerTime);
+  }
+  buffer_.clear();
+  tcp.async_read_some(buffer_.prepare(buffer_.max_size() / 2),
+                      [self = shared_from_this(), left](ErrorCodeOf over, std::size_t bytes) {
+                        if (!over && bytes < left) self->linger(left - bytes);
+                      });
 }
 
 void Connection::accept(const Request& request) {

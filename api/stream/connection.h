@@ -61,6 +61,7 @@ class Connection final : public LinkEvents, public std::enable_shared_from_this<
   void on_handshake(ErrorCodeOf error);
   void answer_plainly(boost::beast::http::status status, std::string_view sentence,
                       const std::string& reason);
+  void linger(std::size_t left);
   void accept(const Request& request);
   void redeem_ticket();
   void on_ticket(Result<Attachment> redeemed);
