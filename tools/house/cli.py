@@ -73,8 +73,8 @@ def _parser() -> argparse.ArgumentParser:
 
 def _port(text: str) -> int:
     number = int(text)
-    if not 0 < number < 65536:
-        raise argparse.ArgumentTypeError("a port is a number from 1 to 65535")
+    if not 1024 <= number < 65536:
+        raise argparse.ArgumentTypeError("a port from 1024 to 65535 (below, only root may listen, and nothing runs as root)")
     return number
 
 

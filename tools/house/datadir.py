@@ -9,25 +9,35 @@ import re
 import secrets
 from pathlib import Path
 
+from . import users
 from .plan import FOLDERS
 from .processes import Identity
 from .says import HouseError
 from .users import RunAs
 
 
-def prepare(data: Path, run_as: RunAs) -> None:
-    """Makes what is missing, owned by the ordinary user. An existing foreign directory is refused, not taken over."""
+def claim(data: Path, run_as: RunAs) -> None:
+    """Makes the directory itself, owned by the ordinary user: all that root does there. One that holds something
+    else is refused, not taken over."""
     if not re.fullmatch(r"[\w./@+~-]+", str(data)):
         raise HouseError(f"{data}: a data directory's path may hold only letters, digits and ./@+~-_ (nginx reads it)")
     if data.exists() and not data.is_dir():
         raise HouseError(f"{data} is not a directory")
-    if data.is_dir() and any(data.iterdir()) and not (data / "secrets").is_dir():
+    if not data.exists():
+        data.mkdir(mode=0o700, parents=True)
+        run_as.own(data)
+    elif any(data.iterdir()) and not (data / "secrets").is_dir():
         raise HouseError(f"{data} holds something else than Diaphane's data; choose an empty directory (--data)")
-    data.mkdir(mode=0o700, parents=True, exist_ok=True)
-    run_as.own(data)
-    if not run_as.can_read(data):
-        raise HouseError(f"the user '{run_as.name}', which everything runs as, cannot reach {data}; "
-                         "choose a place that everybody may enter, such as /var/lib/diaphane (--data)")
+    elif not any(data.iterdir()):
+        run_as.own(data)
+    if not run_as.can_write(data):
+        raise HouseError(f"the user '{run_as.name or users.current()}', which everything runs as, cannot write in {data}; "
+                         f"choose another place (--data), such as {users.default_data_dir()}")
+
+
+def prepare(data: Path, run_as: RunAs) -> None:
+    """claim(), and what is missing of its folders."""
+    claim(data, run_as)
     for name in ("secrets", *FOLDERS):
         folder = data / name
         if not folder.exists():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import shutil
 from dataclasses import dataclass
@@ -31,6 +32,12 @@ def of_checkout() -> Layout:
         migrations=paths.REPO / "migrations",
         edge=paths.REPO / "api" / "edge",
     )
+
+
+def copy_folder() -> Path:
+    """Where root keeps the copy of this checkout: a place that only root may change."""
+    name = hashlib.sha256(str(paths.REPO).encode()).hexdigest()[:12]
+    return Path("/var/cache/diaphane") / name
 
 
 def reachable(run_as: RunAs, copy_to: Path) -> Layout:

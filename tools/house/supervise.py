@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import threading
+import traceback
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,11 +36,15 @@ def hold(options: UpOptions, on_ready=lambda: None) -> int:
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: stop.set())
-    run_as = users.ordinary_user()
-    datadir.prepare(options.data, run_as)
-    stack = Stack(data=options.data, ports=_ports(options), run_as=run_as, engine=options.engine,
-                  layout=layout.reachable(run_as, options.data / "app"), extra_env=dict(options.extra_env),
-                  on_event=step, stop_requested=stop)
+    # A directory that somebody has already stays theirs, also when root starts it.
+    owner = users.owner_of(options.data)
+    run_as = owner if owner.uid >= 0 else users.ordinary_user()
+    datadir.claim(options.data, run_as)
+    programs = layout.reachable(run_as, layout.copy_folder())
+    os.chdir("/")           # where we were started may be closed to the ordinary user
+    run_as = run_as.become()
+    stack = Stack(data=options.data, ports=_ports(options), run_as=run_as, engine=options.engine, layout=programs,
+                  extra_env=dict(options.extra_env), on_event=step, stop_requested=stop)
     try:
         stack.start()
         if options.sample and not stop.is_set():
@@ -99,6 +104,8 @@ def detach(options: UpOptions) -> int:
         except HouseError as error:
             warn(str(error))
             code = error.code
+        except Exception:   # a defect: its traceback must reach the person before the process ends
+            traceback.print_exc()
         finally:
             os._exit(code)
     os.close(writing)
@@ -130,6 +137,7 @@ def _held_in_background(options: UpOptions, words: int) -> int:
 
 def down(data: Path) -> int:
     """Stops what runs on a data directory: by its supervisor, or by itself when that one is dead."""
+    users.owner_of(data).become()   # so that root ends nothing that is not this user's
     supervisor = running_supervisor(data)
     programs = [i for e in datadir.read_record(data).get("programs", []) if (i := datadir.recorded(e))]
     if supervisor is None and not programs:

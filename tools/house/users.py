@@ -30,13 +30,26 @@ class RunAs:
 
     def own(self, path: Path) -> None:
         if self.uid >= 0:
-            os.chown(path, self.uid, self.gid)
+            os.chown(path, self.uid, self.gid, follow_symlinks=False)
+
+    def become(self) -> "RunAs":
+        """Gives up root for good in this process, so that nothing in a data directory, where the programs may write
+        and place links, is ever followed by root. Who we are afterwards: nobody in particular."""
+        if self.uid >= 0:
+            os.setgroups([])
+            os.setgid(self.gid)
+            os.setuid(self.uid)
+            os.environ.update(HOME=self.home, USER=self.name, LOGNAME=self.name)
+        return RunAs()
 
     def can_read(self, *paths: Path) -> bool:
         """Whether this user gets at all of them (a clone below /root or in a mktemp directory: no)."""
-        if self.uid < 0:
-            return True
-        script = 'for path; do [ -r "$path" ] || exit 1; done'
+        return self.uid < 0 or self._try('for path; do [ -r "$path" ] || exit 1; done', *paths)
+
+    def can_write(self, folder: Path) -> bool:
+        return os.access(folder, os.W_OK | os.X_OK) if self.uid < 0 else self._try('[ -w "$1" ] && [ -x "$1" ]', folder)
+
+    def _try(self, script: str, *paths: Path) -> bool:
         done = subprocess.run(["/bin/sh", "-c", script, "sh", *map(str, paths)], cwd="/", **self.popen())
         return done.returncode == 0
 
@@ -56,6 +69,21 @@ def ordinary_user() -> RunAs:
                         "/var/lib/diaphane", "--shell", "/usr/sbin/nologin", NAME], check=True)
         entry = pwd.getpwnam(NAME)
     return RunAs(NAME, entry.pw_uid, entry.pw_gid, entry.pw_dir)
+
+
+def current() -> str:
+    return pwd.getpwuid(os.geteuid()).pw_name
+
+
+def owner_of(path: Path) -> RunAs:
+    """For root: the user whose directory it is. Nobody in particular for others, and where root itself owns it."""
+    try:
+        entry = pwd.getpwuid(path.stat().st_uid)
+    except (OSError, KeyError):
+        return RunAs()
+    if os.geteuid() != 0 or entry.pw_uid == 0:
+        return RunAs()
+    return RunAs(entry.pw_name, entry.pw_uid, entry.pw_gid, entry.pw_dir)
 
 
 def default_data_dir() -> Path:
