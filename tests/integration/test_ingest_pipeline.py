@@ -153,3 +153,18 @@ def test_bad_settings_are_said_all_at_once(ingest):
     assert done.returncode == 78
     for name in ("postgres", "upload-dir", "volume-dir", "scratch-dir", "admin-port"):
         assert f"--{name}" in done.stderr
+
+
+def test_the_sample_goes_the_same_way_as_anybodys_upload(ingest):
+    url = f"http://127.0.0.1:{ingest.ports['api']}"
+    command = [tool(ingest, "diaphane-sample"), "--upload", url, "--token-file", str(ingest.sample_token_file)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    data_set = done.stdout.strip()
+    rows = ingest.psql("SELECT state, is_sample, is_public, owner_id, size_z FROM data_sets WHERE id = %s", data_set)
+    assert rows == [("ready", True, True, None, 108)]
+    nothing_left(ingest, data_set)
+    (ingest.data_dir / "secrets" / "wrong").write_text("0" * 64)
+    command[-1] = str(ingest.data_dir / "secrets" / "wrong")
+    wrong = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert wrong.returncode == 65 and wrong.stderr.startswith("diaphane-sample: ")
