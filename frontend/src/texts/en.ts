@@ -193,7 +193,7 @@ export const t = {
     time: "Time",
     device: "Device",
     speed: "Speed",
-    per_second: (n: number) => `${n < 10 ? n.toFixed(1) : number.format(Math.round(n))} samples/s`,
+    per_second: (n: number) => `${n < 10 ? n.toFixed(1) : number.format(Math.round(n))} a second`,
     plot: "Error against time, both logarithmic",
     finished: "Finished",
     refining: "Getting finer",

@@ -10,7 +10,7 @@ export function HelpDialog({ onClose }: { readonly onClose: () => void }) {
         </thead>
         <tbody>
           {t.viewer.help_rows.map(([what, mouse, touch, keys]) => (
-            <tr key={what}>
+            <tr key={what} class={touch === "" ? "no-touch" : ""}>
               <th scope="row">{what}</th>
               <td>{mouse}</td>
               <td>{touch}</td>

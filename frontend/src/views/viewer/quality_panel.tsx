@@ -20,6 +20,8 @@ export function QualityPanel({ session }: { readonly session: ViewerSession }) {
     set_open(!open);
   };
   const error = Number.isFinite(facts.error) ? t.viewer.percent(facts.error) : t.viewer.error_unknown;
+  const rate = session.samples_per_second.value;
+  const speed = rate > 0 && !session.converged.value ? t.viewer.per_second(rate) : "";
   if (!open)
     return (
       <button type="button" class="glass quality-chip" aria-label={`${t.viewer.quality_open}: ${error}`} aria-expanded={false} onClick={toggle}>
@@ -38,14 +40,11 @@ export function QualityPanel({ session }: { readonly session: ViewerSession }) {
       </div>
       <dl>
         <Row name={t.viewer.error} help={t.viewer.error_help} value={error} mark="error" />
-        <Row name={t.viewer.samples} value={facts.samples.toLocaleString("en")} mark="samples" />
+        <Row name={t.viewer.samples} value={facts.samples.toLocaleString("en")} mark="samples" {...(speed ? { aside: speed } : {})} />
         <Row name={t.viewer.time} value={t.viewer.seconds(facts.seconds)} mark="time" />
       </dl>
       <ErrorPlot points={session.curve.value} />
-      <p class="quality-device muted">
-        {session.device.value}
-        {session.samples_per_second.value > 0 && !session.converged.value ? ` · ${t.viewer.per_second(session.samples_per_second.value)}` : ""}
-      </p>
+      <p class="quality-device muted">{session.device.value}</p>
     </section>
   );
 }
@@ -55,9 +54,10 @@ interface RowProps {
   readonly value: string;
   readonly mark: string;
   readonly help?: string;
+  readonly aside?: string;
 }
 
-function Row({ name, value, mark, help }: RowProps) {
+function Row({ name, value, mark, help, aside }: RowProps) {
   const [shown, set_shown] = useState(false);
   return (
     <>
@@ -68,7 +68,7 @@ function Row({ name, value, mark, help }: RowProps) {
             <button type="button" class="hint-button" aria-expanded={shown} aria-label={`${name}?`} title={help} onClick={() => set_shown(!shown)}>?</button>
           ) : null}
         </dt>
-        <dd data-fact={mark}>{value}</dd>
+        <dd data-fact={mark}>{aside ? <small>{aside} </small> : null}{value}</dd>
       </div>
       {help && shown ? <p class="quality-help">{help}</p> : null}
     </>
