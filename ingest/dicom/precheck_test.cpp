@@ -76,6 +76,12 @@ TEST(Precheck, FramesAndSamplesCannotOverflowTheProduct) {
   EXPECT_EQ(check(cubes).state, FileState::kTooLarge);
 }
 
+TEST(Precheck, ZerosBehindThePixelsAreNoDamage) {
+  const std::string file = header() + sizes(2, 3) + pixels(12, std::string(12, 'p'));
+  EXPECT_EQ(check(file + std::string(1001, '\0')).state, FileState::kFit);
+  EXPECT_EQ(check(file + std::string(1000, '\0') + "x").state, FileState::kDamaged);
+}
+
 TEST(Precheck, PixelsThatAreNotAllThereAreDamage) {
   EXPECT_EQ(check(header() + sizes(8, 8) + pixels(128, std::string(100, 'p'))).state,
             FileState::kDamaged);

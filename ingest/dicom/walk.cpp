@@ -102,9 +102,17 @@ class Walker {
     return e;
   }
 
+  /// Some writers fill their files up to whole blocks.
+  bool only_zeros(std::size_t end) const {
+    return std::all_of(data_.begin() + static_cast<std::ptrdiff_t>(at_),
+                       data_.begin() + static_cast<std::ptrdiff_t>(end),
+                       [](std::byte b) { return b == std::byte{0}; });
+  }
+
   /// Elements until `end`, or until the item's end mark when `open`.
   void data_set(std::size_t end, bool open, bool explicit_vr, std::uint32_t depth) {
     while (at_ < end) {
+      if (depth == 0 && result_.has_pixels && only_zeros(end)) return;
       const std::size_t begin = at_;
       const Element e = next(end, explicit_vr);
       if (e.tag == kItemEnd && open) {

@@ -83,7 +83,7 @@ struct PostgresJobs::Impl {
     } catch (const pqxx::in_doubt_error&) {
       // Committed or not: the caller asks again, and every question here may be asked twice.
     } catch (const pqxx::sql_error& error) {
-      const std::string state = error.sqlstate();
+      const std::string& state = error.sqlstate();
       const bool passing = state.starts_with("57") || state.starts_with("53") ||
                            state.starts_with("08") || state.starts_with("40") || state == "55P03";
       if (!passing && state != last_state) log::error("sql_error", {{"sqlstate", state}});

@@ -27,7 +27,7 @@ class Worker {
   struct Options {
     std::string upload_dir;
     std::string volume_dir;
-    std::chrono::milliseconds poll{500};
+    std::chrono::milliseconds poll{200};
     std::chrono::milliseconds renew{1500};
     std::chrono::milliseconds drain{1500};  ///< how long a build may go on once a stop is wanted
     int most_attempts = 3;
