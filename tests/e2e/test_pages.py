@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -50,6 +52,29 @@ def test_every_page_is_accessible_and_fits(stack: TestStack, visit, cranium: Pat
     seen("viewer")
     page.get_by_role("button", name="How to move it").click()
     seen("help")
+
+
+def test_the_sample_is_there_for_everybody_and_marked(stack: TestStack, visit, pictures: Path):
+    sample = REPO / "build" / "release" / "bin" / "diaphane-sample"
+    tool = Path(os.environ["DIAPHANE_BUILD"]) / "bin" / "diaphane-sample" if "DIAPHANE_BUILD" in os.environ else sample
+    done = subprocess.run([tool, "--upload", stack.url, "--token-file", stack.sample_token_file], capture_output=True, text=True, check=True)
+    page = visit()
+    person = Person.arrives(stack, page, "guest")
+    card = page.locator(f"article[data-id='{done.stdout.strip()}']")
+    expect(card).to_have_attribute("data-state", "ready", timeout=60_000)
+    expect(card.get_by_text("Sample", exact=True)).to_be_visible()
+    expect(card.get_by_role("button")).to_have_count(0)  # nothing to delete
+    check_page(page)
+    card.get_by_role("link").click()
+    wait_for_samples(stack, page, 2)
+    assert page.evaluate("fetch('/v1/sessions').then((r) => r.json()).then((s) => s.items.length)") == 1
+
+    # Left for another page, the renderer's place is given back.
+    page.get_by_role("link", name="My scans").click()
+    expect(page.get_by_role("heading", name="My scans")).to_be_visible()
+    stack.wait_until(lambda: person.api("GET", "/v1/sessions") == 200
+                     and page.evaluate("fetch('/v1/sessions').then((r) => r.json()).then((s) => s.items.length)") == 0,
+                     what="the end of the session")
 
 
 def test_everything_works_by_keys_alone(stack: TestStack, visit, cranium: Path):

@@ -9,7 +9,9 @@ export function StatusLine({ session, fault }: { readonly session: ViewerSession
   const trouble = connection?.trouble ?? null;
   const shown = session?.picture.value ?? null;
   const stopped = connection?.phase === "stopped";
-  const text = [fault, trouble ? t.viewer.troubles[trouble] : "", session?.problem.value ?? ""].find((line) => line !== "") ?? "";
+  // A refusal is told in the server's own words, where it gave any.
+  const said = session?.problem.value ?? "";
+  const text = [fault, trouble === "refused" ? said : "", trouble ? t.viewer.troubles[trouble] : "", said].find((line) => line !== "") ?? "";
   const waiting = text === "" && shown === null;
   return (
     <div class={`viewer-status${shown === null ? " viewer-status-middle" : ""}`} role="status" data-phase={connection?.phase ?? "idle"}>
