@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <span>
+#include <vector>
+
+// What the statistical tests of the renderer share. Every test states its significance: the
+// probability that a correct renderer fails it with fresh random numbers (they are fixed by their
+// seeds, so a pass stays a pass).
+
+namespace diaphane::render::test {
+
+/// z that a normal variable exceeds with probability `upper_tail`.
+inline double normal_quantile(double upper_tail) {
+  double low = -40, high = 40;
+  for (int i = 0; i < 200; ++i) {
+    const double middle = (low + high) / 2;
+    (0.5 * std::erfc(middle / std::numbers::sqrt2) > upper_tail ? low : high) = middle;
+  }
+  return low;
+}
+
+/// |z| that a normal variable exceeds with probability `alpha`, both sides.
+inline double critical_z(double alpha) { return normal_quantile(alpha / 2); }
+
+/// The significance each of `tests` independent tests may have for `alpha` in all (Sidak).
+inline double sidak(double alpha, std::size_t tests) {
+  return -std::expm1(std::log1p(-alpha) / static_cast<double>(tests));
+}
+
+/// Chi-square that `dof` degrees of freedom exceed with probability `alpha` (Wilson and Hilferty;
+/// within 1% for dof >= 10).
+inline double critical_chi_square(double alpha, double dof) {
+  const double a = 2 / (9 * dof);
+  const double root = 1 - a + normal_quantile(alpha) * std::sqrt(a);
+  return dof * root * root * root;
+}
+
+/// Of counts that should all be equal.
+inline double chi_square_uniform(std::span<const std::uint64_t> counts) {
+  double total = 0;
+  for (std::uint64_t n : counts) total += static_cast<double>(n);
+  const double expected = total / static_cast<double>(counts.size());
+  double chi = 0;
+  for (std::uint64_t n : counts) {
+    const double d = static_cast<double>(n) - expected;
+    chi += d * d / expected;
+  }
+  return chi;
+}
+
+/// Mean and variance of a stream (Welford).
+struct Moments {
+  double n = 0, mean = 0, m2 = 0;
+
+  void add(double x) {
+    n += 1;
+    const double d = x - mean;
+    mean += d / n;
+    m2 += d * (x - mean);
+  }
+  double variance() const { return n > 1 ? m2 / (n - 1) : 0; }
+  double error_of_mean() const { return std::sqrt(variance() / n); }
+};
+
+/// Welch's t of two means; a normal variable for the sample sizes used here (hundreds and more). 0
+/// when both are constant and equal.
+inline double welch(const Moments& a, const Moments& b) {
+  const double variance = a.variance() / a.n + b.variance() / b.n;
+  if (variance == 0) return a.mean == b.mean ? 0 : 1e9;
+  return (a.mean - b.mean) / std::sqrt(variance);
+}
+
+}  // namespace diaphane::render::test
