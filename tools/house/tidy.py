@@ -31,12 +31,9 @@ def check() -> list[str]:
             todo[source] = key
     _CACHE.mkdir(parents=True, exist_ok=True)
     with concurrent.futures.ThreadPoolExecutor(build.jobs()) as pool:
-        results = list(pool.map(lambda source: (source, _tidy(source, database)), todo))
-    for source, words in results:
-        if not words:
-            (_CACHE / todo[source]).touch()
+        results = list(pool.map(lambda item: _tidy(item[0], database, _CACHE / item[1]), todo.items()))
     _forget_old()
-    return [words for _, words in results if words]
+    return [words for words in results if words]
 
 
 def _units(folder: Path, database: Path) -> dict[Path, str]:
@@ -44,7 +41,8 @@ def _units(folder: Path, database: Path) -> dict[Path, str]:
     units = {}
     for entry in json.loads((folder / "compile_commands.json").read_text(encoding="utf-8")):
         source = Path(entry["file"])
-        if source.suffix != ".cpp" or not source.is_relative_to(paths.REPO) or source.is_relative_to(folder):
+        # Tests are left to the compiler's warnings: they are half of the time, and their style is GoogleTest's.
+        if source.suffix != ".cpp" or source.stem.endswith(("_test", "_bench")) or not source.is_relative_to(paths.REPO) or source.is_relative_to(folder):
             continue
         words = shlex.split(entry["command"])
         # The launcher (ccache) comes before the compiler.
@@ -113,13 +111,15 @@ def _tool_digest() -> str:
     return version + (paths.REPO / ".clang-tidy").read_text(encoding="utf-8")
 
 
-def _tidy(source: Path, database: Path) -> str:
+def _tidy(source: Path, database: Path, remembered: Path) -> str:
+    """What clang-tidy says; when that is nothing, it is remembered at once, so that an interrupted run is not lost."""
     command = ["nice", "clang-tidy", "-p", str(database), "--quiet",
                f"--header-filter=^{re.escape(str(paths.REPO))}/({_FOLDERS})/",
                "--extra-arg=-Wno-unknown-warning-option", "--extra-arg=-Wno-ignored-optimization-argument", str(source)]
     done = subprocess.run(command, cwd=paths.REPO, stdin=subprocess.DEVNULL, capture_output=True, text=True,
                           errors="replace")
     if done.returncode == 0:
+        remembered.touch()
         return ""
     return done.stdout.replace(f"{paths.REPO}/", "").strip() or done.stderr.strip()
 
