@@ -1,0 +1,145 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "renderd/scene/presets.h"
+#include "renderd/scene/test_scenes.h"
+
+namespace diaphane::render {
+namespace {
+
+using Scene = diaphane::v1::Scene;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Fault {
+  const char* field;
+  std::function<void(Scene&)> make;
+};
+
+const Fault kFaults[] = {
+    {"transferFunction.channels",
+     [](Scene& s) { s.mutable_transfer_function()->clear_channels(); }},
+    {"transferFunction.channels", [](Scene& s) { s.clear_transfer_function(); }},
+    {"transferFunction.channels[0].opacity",
+     [](Scene& s) { s.mutable_transfer_function()->mutable_channels(0)->clear_opacity(); }},
+    {"transferFunction.channels[0].opacity[1].value",
+     [](Scene& s) {
+       s.mutable_transfer_function()->mutable_channels(0)->mutable_opacity(1)->set_value(-1);
+     }},
+    {"transferFunction.channels[0].opacity[1].value",
+     [](Scene& s) {
+       s.mutable_transfer_function()->mutable_channels(0)->mutable_opacity(1)->set_value(kNan);
+     }},
+    {"transferFunction.channels[0].opacity[0].opacity",
+     [](Scene& s) {
+       s.mutable_transfer_function()->mutable_channels(0)->mutable_opacity(0)->set_opacity(-0.1);
+     }},
+    {"transferFunction.channels[0].diffuse.g",
+     [](Scene& s) {
+       s.mutable_transfer_function()->mutable_channels(0)->mutable_diffuse()->set_g(1.01);
+     }},
+    {"transferFunction.extinctionPerMm",
+     [](Scene& s) { s.mutable_transfer_function()->set_extinction_per_mm(-1); }},
+    {"transferFunction.extinctionPerMm",
+     [](Scene& s) { s.mutable_transfer_function()->set_extinction_per_mm(kNan); }},
+    {"transferFunction.extinctionPerMm",
+     [](Scene& s) { s.mutable_transfer_function()->set_extinction_per_mm(kInfinity); }},
+    {"lights[0].rectangle.radiance.r",
+     [](Scene& s) {
+       s.mutable_lights(0)->mutable_rectangle()->mutable_radiance()->set_r(kInfinity);
+     }},
+    {"lights[0].rectangle.corner.z",
+     [](Scene& s) { s.mutable_lights(0)->mutable_rectangle()->mutable_corner()->set_z(kNan); }},
+    {"lights[0].rectangle.u",
+     [](Scene& s) { s.mutable_lights(0)->mutable_rectangle()->clear_u(); }},
+    {"lights[0].rectangle.v",
+     [](Scene& s) {
+       auto* r = s.mutable_lights(0)->mutable_rectangle();
+       *r->mutable_v() = r->u();
+     }},
+    {"lights[1].environment.radiance.b",
+     [](Scene& s) { s.mutable_lights(1)->mutable_environment()->mutable_radiance()->set_b(-0.5); }},
+    {"lights[2]", [](Scene& s) { s.add_lights(); }},
+    {"lights",
+     [](Scene& s) {
+       for (int i = 0; i < 10'000; ++i) test::add_sky(s, 1);
+     }},
+    {"camera", [](Scene& s) { s.clear_camera(); }},
+    {"camera.eye.x", [](Scene& s) { s.mutable_camera()->mutable_eye()->set_x(kNan); }},
+    {"camera.target", [](Scene& s) { *s.mutable_camera()->mutable_target() = s.camera().eye(); }},
+    {"camera.up", [](Scene& s) { test::set(s.mutable_camera()->mutable_up(), -45, -80, -28); }},
+    {"camera.up", [](Scene& s) { s.mutable_camera()->clear_up(); }},
+    {"camera.verticalFovDegrees",
+     [](Scene& s) { s.mutable_camera()->set_vertical_fov_degrees(180); }},
+    {"camera.verticalFovDegrees",
+     [](Scene& s) { s.mutable_camera()->set_vertical_fov_degrees(0); }},
+    {"phase.g", [](Scene& s) { s.mutable_phase()->set_g(1); }},
+    {"phase.g", [](Scene& s) { s.mutable_phase()->set_g(kNan); }},
+    {"display.exposure", [](Scene& s) { s.mutable_display()->set_exposure(kInfinity); }},
+    {"display.background.r",
+     [](Scene& s) { s.mutable_display()->mutable_background()->set_r(-1); }},
+};
+
+TEST(CheckScene, NamesTheFieldThatIsWrong) {
+  for (const Fault& fault : kFaults) {
+    Scene scene = test::skull_scene();
+    ASSERT_TRUE(check_scene(scene));
+    fault.make(scene);
+    const auto checked = check_scene(scene);
+    ASSERT_FALSE(checked) << fault.field;
+    EXPECT_EQ(checked.error().code, ErrorCode::kInvalid);
+    EXPECT_EQ(checked.error().field, fault.field);
+    EXPECT_NE(checked.error().message.find(fault.field), std::string::npos);
+  }
+}
+
+TEST(CheckScene, TakesExtremesThatHaveAMeaning) {
+  Scene scene = test::skull_scene();
+  scene.mutable_phase()->set_g(-0.999999);
+  scene.mutable_transfer_function()->set_extinction_per_mm(1e6);
+  scene.mutable_lights(1)->mutable_environment()->mutable_radiance()->set_r(1e12);
+  EXPECT_TRUE(check_scene(scene));
+  scene.mutable_transfer_function()->set_extinction_per_mm(0);
+  scene.clear_lights();
+  EXPECT_TRUE(check_scene(scene)) << "nothing to see is no mistake";
+}
+
+TEST(SceneJson, ComesBackAsItWas) {
+  const Scene scene = test::skull_scene();
+  const auto again = scene_from_json(scene_to_json(scene));
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->SerializeAsString(), scene.SerializeAsString());
+}
+
+TEST(SceneJson, RefusesAnUnknownFieldByName) {
+  const auto top = scene_from_json(R"({"colour": 1})");
+  ASSERT_FALSE(top);
+  EXPECT_EQ(top.error().field, "colour");
+  const auto nested = scene_from_json(R"({"camera": {"verticalFov": 40}})");
+  ASSERT_FALSE(nested);
+  EXPECT_NE(nested.error().field.find("verticalFov"), std::string::npos) << nested.error().message;
+}
+
+TEST(SceneJson, RefusesWhatIsNoScene) {
+  for (const char* text : {"", "[]", "{", "{\"phase\": {\"g\": \"much\"}}", "\xff\xfe"}) {
+    const auto parsed = scene_from_json(text);
+    ASSERT_FALSE(parsed) << text;
+    EXPECT_EQ(parsed.error().code, ErrorCode::kInvalid);
+    EXPECT_FALSE(parsed.error().message.empty());
+  }
+}
+
+TEST(SceneJson, ANumberThatIsNoneIsLeftToTheCheck) {
+  const auto parsed = scene_from_json(R"({"phase": {"g": "NaN"}})");
+  if (parsed) {
+    EXPECT_FALSE(check_scene(*parsed));
+  }
+}
+
+}  // namespace
+}  // namespace diaphane::render

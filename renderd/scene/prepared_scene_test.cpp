@@ -1,0 +1,161 @@
+#include "renderd/scene/prepared_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "renderd/kernel/estimator.h"
+#include "renderd/scene/presets.h"
+#include "renderd/scene/test_scenes.h"
+
+namespace diaphane::render {
+namespace {
+
+volume::Header turned_header() {
+  volume::Header h;
+  h.size = {40, 30, 20};
+  h.spacing = {1, 1.5, 2};
+  // x to the head, y to the left, z to the back: a rotation.
+  h.direction = {0, 1, 0, 0, 0, 1, 1, 0, 0};
+  return h;
+}
+
+volume::Volume volume_of(const volume::Header& header) {
+  volume::Volume v;
+  v.header = header;
+  v.voxels.assign(header.voxel_count(), 100);
+  v.voxels[0] = 0;
+  volume::measure(v);
+  return v;
+}
+
+TEST(PreparedScene, ACameraEditKeepsTheTables) {
+  const volume::Volume v = test::skull_volume();
+  const ValueGrid grid = make_value_grid(v.voxels, size_of(v.header));
+  diaphane::v1::Scene scene = test::skull_scene();
+  const auto first = prepare_scene(scene, {64, 64}, v.header, grid);
+  ASSERT_TRUE(first);
+  diaphane::v1::Scene turned = scene;
+  turned.mutable_camera()->mutable_eye()->set_x(-45);
+  const auto second = prepare_scene(turned, {64, 64}, v.header, grid, &*first, &scene);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->transfer, first->transfer);
+  turned.mutable_transfer_function()->set_extinction_per_mm(0.7);
+  const auto third = prepare_scene(turned, {64, 64}, v.header, grid, &*first, &scene);
+  ASSERT_TRUE(third);
+  EXPECT_NE(third->transfer, first->transfer);
+}
+
+/// In the frame of a turned volume, the camera ray through the picture's middle meets the target:
+/// the world's origin, which is the middle of the box, whatever the direction matrix.
+TEST(PreparedScene, TheMiddleOfThePictureLooksAtTheTarget) {
+  for (const double distance : {100.0, 1e6}) {
+    diaphane::v1::Scene scene = test::skull_scene();
+    test::set_camera(scene, 0.6 * distance, -0.7 * distance, 0.3 * distance, 2000 / distance);
+    const test::Prepared p(volume_of(turned_header()), scene, {64, 48});
+    const CameraRay r = camera_ray(p.view(), 32, 24);
+    const Float3 middle{20, 15, 10};
+    const Float3 to = middle - r.ray.origin;
+    const float along = dot(to, r.ray.direction) / dot(r.ray.direction, r.ray.direction);
+    EXPECT_LT(length(r.ray.at(along) - middle), 1e-3f) << distance;
+    EXPECT_LT(length(r.ray.origin - middle), 100.0f) << "begins near the box, however far the eye";
+  }
+}
+
+TEST(PreparedScene, RightIsRightAndUpIsUpInAnyVolume) {
+  // From the front (eye at -y in the patient's space): the patient's left (+x) is on the picture's
+  // right, head up.
+  diaphane::v1::Scene scene = test::skull_scene();
+  test::set_camera(scene, 0, -300, 0, 30);
+  const test::Prepared p(volume_of(turned_header()), scene, {64, 64});
+  const auto view = p.view();
+  const Float3 middle = camera_ray(view, 32, 32).direction;
+  const Float3 right = camera_ray(view, 60, 32).direction - middle;
+  const Float3 up = camera_ray(view, 32, 4).direction - middle;
+  // The volume's y axis points to the patient's left, its x axis to the head.
+  EXPECT_GT(right.y, 0.05f);
+  EXPECT_NEAR(right.x, 0, 1e-5f);
+  EXPECT_GT(up.x, 0.05f);
+  EXPECT_NEAR(up.y, 0, 1e-5f);
+}
+
+TEST(PreparedScene, ALockedLightStaysBesideTheCamera) {
+  diaphane::v1::Scene scene = test::skull_scene();
+  scene.clear_lights();
+  test::add_lamp(scene, 50, 30, 200, 20, 10);
+  scene.mutable_lights(0)->set_camera_locked(true);
+  const auto seen_from = [&](double x, double y, double z) {
+    test::set_camera(scene, x, y, z, 30);
+    const test::Prepared p(volume_of(turned_header()), scene);
+    const RectangleLight& light = p.scene().rectangles.at(0);
+    const CameraView& c = p.scene().camera;
+    const Float3 from_middle = light.corner - Float3{20, 22.5f, 20};  // the box's centre, mm
+    return Float3{dot(from_middle, normalize(c.right)), dot(from_middle, normalize(c.up)),
+                  -dot(from_middle, c.forward)};
+  };
+  const Float3 a = seen_from(0, -300, 0), b = seen_from(120, 200, 180);
+  EXPECT_LT(length(a - Float3{40, 20, 200}), 1e-3f);
+  EXPECT_LT(length(b - a), 1e-3f);
+}
+
+TEST(PreparedScene, LeavesOutWhatTheSceneDoesNotNeed) {
+  diaphane::v1::Scene scene = test::skull_scene();
+  const auto features = [&] {
+    return test::Prepared(test::skull_volume(), scene).scene().features;
+  };
+  EXPECT_EQ(features(), Features{}.with(Feature::kRectangles).with(Feature::kEnvironment));
+  test::add_lamp(scene, 0, 0, 90, 10, 0);
+  EXPECT_FALSE(features().has(Feature::kManyRectangles)) << "a black lamp is none";
+  test::add_lamp(scene, 0, 0, 90, 10, 1);
+  EXPECT_TRUE(features().has(Feature::kManyRectangles));
+  scene.mutable_phase()->set_g(-0.2);
+  EXPECT_TRUE(features().has(Feature::kAnisotropicPhase));
+  scene.clear_lights();
+  EXPECT_EQ(features(), Features{}.with(Feature::kAnisotropicPhase));
+}
+
+TEST(PreparedScene, RefusesAPictureWithoutSize) {
+  const volume::Volume v = test::skull_volume();
+  const ValueGrid grid = make_value_grid(v.voxels, size_of(v.header));
+  for (const Canvas canvas : {Canvas{0, 10}, Canvas{10, 0}, Canvas{8193, 10}}) {
+    const auto p = prepare_scene(test::skull_scene(), canvas, v.header, grid);
+    ASSERT_FALSE(p);
+    EXPECT_EQ(p.error().field, "canvas");
+  }
+}
+
+TEST(CheckVolume, NamesWhatIsWrong) {
+  const auto field = [](auto&& change) {
+    volume::Volume v = test::constant_volume(4, 7);
+    change(v);
+    const auto checked = check_volume(v);
+    return checked ? std::string() : checked.error().field;
+  };
+  EXPECT_EQ(field([](auto&) {}), "");
+  EXPECT_EQ(field([](auto& v) { v.header.size[1] = 0; }), "size");
+  EXPECT_EQ(field([](auto& v) { v.voxels.pop_back(); }), "size");
+  EXPECT_EQ(field([](auto& v) { v.header.spacing[2] = 0; }), "spacing");
+  EXPECT_EQ(field([](auto& v) { v.header.spacing[0] = std::nan(""); }), "spacing");
+  EXPECT_EQ(field([](auto& v) { v.header.direction[0] = -1; }), "direction") << "mirrored";
+  EXPECT_EQ(field([](auto& v) { v.header.direction[1] = 0.5; }), "direction");
+}
+
+TEST(Presets, AreValidForEveryVolumeAndSeeTheWholeBox) {
+  volume::Volume ct = test::skull_volume();
+  ct.header.modality = volume::Modality::kCt;
+  const volume::Volume others[] = {ct, test::constant_volume(1, 0),
+                                   test::constant_volume(5, -32768), volume_of(turned_header())};
+  for (const volume::Volume& v : others) {
+    const auto presets = presets_for(v.header);
+    ASSERT_EQ(presets.size(), 4u);
+    for (const auto& preset : presets) {
+      const auto checked = check_scene(preset.scene());
+      EXPECT_TRUE(checked) << preset.name() << ": " << (checked ? "" : checked.error().message);
+      EXPECT_LT(preset.scene().camera().eye().y(), 0) << "in front of the patient";
+    }
+  }
+  EXPECT_FALSE(preset_for(ct.header, "spectacles"));
+}
+
+}  // namespace
+}  // namespace diaphane::render
