@@ -9,6 +9,10 @@ import { Link } from "./router";
 import { ScanCard, title_of } from "./scan_card";
 import { Notice, PageTitle } from "./shell";
 import { useApp } from "./state";
+import { use_warm_thumbnails } from "./thumbnail";
+
+/** So many of the newest are made ready to be opened. */
+const warmed = 4;
 
 const busy_states = new Set(["uploading", "queued", "building"]);
 
@@ -95,6 +99,7 @@ interface ListProps {
 }
 
 function List({ sets, uploads, onRemove }: ListProps) {
+  use_warm_thumbnails(sets.filter((set) => set.state === "ready").slice(0, warmed).map((set) => set.id));
   const own = sets.filter((set) => set.owned);
   const others = sets.filter((set) => !set.owned);
   const card = (set: DataSet) => (

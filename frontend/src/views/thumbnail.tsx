@@ -1,6 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import { ApiProblem } from "../api/client";
-import type { PresetName } from "../api/types";
+import { preset_names, type PresetName } from "../api/types";
 import { useApp } from "./state";
 
 /** Each picture is rendered when first asked for: one after the other, so that the view itself does not wait. */
@@ -46,4 +46,22 @@ export function use_thumbnail(data_set_id: string, preset: PresetName, wanted: b
     };
   }, [app, data_set_id, preset, wanted]);
   return url;
+}
+
+/**
+ * Has the pictures of these data sets made while nobody waits for them: the viewer then has its looks at once,
+ * instead of rendering them beside the view.
+ */
+export function use_warm_thumbnails(data_set_ids: readonly string[]): void {
+  const app = useApp();
+  const key = data_set_ids.join(" ");
+  useEffect(() => {
+    const leaving = new AbortController();
+    for (const id of key.split(" ").filter(Boolean))
+      for (const preset of preset_names)
+        void in_turn(async () => {
+          if (!leaving.signal.aborted) await app.api.thumbnail(id, preset, leaving.signal);
+        }).catch(() => undefined); // whoever shows it asks again
+    return () => leaving.abort();
+  }, [app, key]);
 }
