@@ -65,6 +65,7 @@ void Registry::run() {
   auto next_beat = steady_clock::now();
   milliseconds backoff{100};
   bool drain_seen = false;
+  bool first = true;
   for (;;) {
     bool told = true;
     if (steady_clock::now() >= next_beat) {
@@ -72,11 +73,12 @@ void Registry::run() {
       next_beat = steady_clock::now() + kBeat;
     }
     told = told && save_scenes();
-    if (told != connected_) {
+    if (told != connected_ || first) {
       log::write(told ? log::Level::kInfo : log::Level::kWarning,
                  told ? "redis_connected" : "redis_lost");
     }
     connected_ = told;
+    first = false;
     if (told) {
       backoff = milliseconds{100};
     } else {
