@@ -70,8 +70,8 @@ std::optional<std::string> ConfigReader::take(std::string_view name, std::string
     return found->second;
   }
   if (!fallback) {
-    mistakes_.push_back("--" + std::string(name) + " (or " + variable + ") is missing: " +
-                        std::string(help));
+    mistakes_.push_back("--" + std::string(name) + " (or " + variable +
+                        ") is missing: " + std::string(help));
   }
   return fallback;
 }
@@ -104,8 +104,8 @@ std::int64_t ConfigReader::integer(std::string_view name, std::string_view help,
 
 std::uint16_t ConfigReader::port(std::string_view name, std::string_view help,
                                  std::optional<std::uint16_t> fallback) {
-  return static_cast<std::uint16_t>(
-      integer(name, help, 1, 65535, fallback ? std::optional<std::int64_t>(*fallback) : std::nullopt));
+  return static_cast<std::uint16_t>(integer(
+      name, help, 1, 65535, fallback ? std::optional<std::int64_t>(*fallback) : std::nullopt));
 }
 
 std::string ConfigReader::one_of(std::string_view name, std::string_view help,

@@ -15,8 +15,9 @@ namespace diaphane {
 inline constexpr int kExitUsage = 64;   ///< bad command line
 inline constexpr int kExitConfig = 78;  ///< bad or missing setting
 
-/// Settings of a program: the environment variable DIAPHANE_<NAME>, or `--name VALUE` / `--name=VALUE`,
-/// which wins. Every mistake is collected, so that an operator sees them all at once.
+/// Settings of a program: the environment variable DIAPHANE_<NAME>, or `--name VALUE` /
+/// `--name=VALUE`, which wins. Every mistake is collected, so that an operator sees them all at
+/// once.
 ///
 ///   ConfigReader in(argc, argv);
 ///   options.port = in.port("api-port", "REST, 127.0.0.1 only");
@@ -44,8 +45,8 @@ class ConfigReader {
   const std::vector<std::string>& words() const { return words_; }
   void mistake(std::string text) { mistakes_.push_back(std::move(text)); }
 
-  /// Nothing when all is well; else the exit code, after --help was printed on standard output or the
-  /// mistakes on standard error.
+  /// Nothing when all is well; else the exit code, after --help was printed on standard output or
+  /// the mistakes on standard error.
   std::optional<int> finish(std::string_view about);
   const std::vector<std::string>& mistakes() const { return mistakes_; }
 

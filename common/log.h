@@ -9,8 +9,8 @@
 
 namespace diaphane::log {
 
-/// A value in a log line. Only what a program measures or generates itself belongs here: never a header,
-/// a body, a file name or a text that a user or a scan brought along.
+/// A value in a log line. Only what a program measures or generates itself belongs here: never a
+/// header, a body, a file name or a text that a user or a scan brought along.
 using Value = std::variant<std::string, std::int64_t, double, bool>;
 struct Field {
   std::string_view key;
@@ -21,23 +21,32 @@ struct Field {
   Field(std::string_view k, bool v) : key(k), value(v) {}
   Field(std::string_view k, double v) : key(k), value(v) {}
   template <typename I>
-    requires std::is_integral_v<I>
-  Field(std::string_view k, I v) : key(k), value(static_cast<std::int64_t>(v)) {}
+  requires std::is_integral_v<I> Field(std::string_view k, I v)
+      : key(k), value(static_cast<std::int64_t>(v)) {}
 };
 
 enum class Level { kDebug, kInfo, kWarning, kError };
 
-/// Names the program in every line; `minimum` drops what is below it. Call once, before any thread starts.
+/// Names the program in every line; `minimum` drops what is below it. Call once, before any thread
+/// starts.
 void start(std::string program, Level minimum = Level::kInfo);
 
-/// One line of JSON on standard error: time (RFC 3339, UTC, ms), level, program, event, then the fields
-/// and, when this thread has one, "request_id". Written by one write(2), so lines never mix.
+/// One line of JSON on standard error: time (RFC 3339, UTC, ms), level, program, event, then the
+/// fields and, when this thread has one, "request_id". Written by one write(2), so lines never mix.
 void write(Level level, std::string_view event, std::initializer_list<Field> fields = {});
 
-inline void debug(std::string_view e, std::initializer_list<Field> f = {}) { write(Level::kDebug, e, f); }
-inline void info(std::string_view e, std::initializer_list<Field> f = {}) { write(Level::kInfo, e, f); }
-inline void warning(std::string_view e, std::initializer_list<Field> f = {}) { write(Level::kWarning, e, f); }
-inline void error(std::string_view e, std::initializer_list<Field> f = {}) { write(Level::kError, e, f); }
+inline void debug(std::string_view e, std::initializer_list<Field> f = {}) {
+  write(Level::kDebug, e, f);
+}
+inline void info(std::string_view e, std::initializer_list<Field> f = {}) {
+  write(Level::kInfo, e, f);
+}
+inline void warning(std::string_view e, std::initializer_list<Field> f = {}) {
+  write(Level::kWarning, e, f);
+}
+inline void error(std::string_view e, std::initializer_list<Field> f = {}) {
+  write(Level::kError, e, f);
+}
 
 /// While it lives, lines of this thread carry the request's id.
 class RequestScope {

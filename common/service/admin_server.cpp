@@ -57,10 +57,9 @@ Result<std::unique_ptr<AdminServer>> AdminServer::start(Options options) {
                  .Help("When this program started, seconds since the epoch.")
                  .Register(*self->registry)
                  .Add({{"program", self->options.program}});
-  up.Set(static_cast<double>(
-      std::chrono::duration_cast<std::chrono::seconds>(
-          std::chrono::system_clock::now().time_since_epoch())
-          .count()));
+  up.Set(static_cast<double>(std::chrono::duration_cast<std::chrono::seconds>(
+                                 std::chrono::system_clock::now().time_since_epoch())
+                                 .count()));
 
   self->metrics = std::make_unique<Handler>([self](mg_connection* connection) {
     reply(connection, 200, "OK", "text/plain; version=0.0.4; charset=utf-8",

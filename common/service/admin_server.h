@@ -12,22 +12,23 @@
 
 namespace diaphane::service {
 
-/// One thing a program needs in order to serve, checked when /readyz is asked (must answer within 100 ms).
+/// One thing a program needs in order to serve, checked when /readyz is asked (must answer within
+/// 100 ms).
 struct ReadyCheck {
-  std::string name;                        ///< "postgres", "redis", "volume store"
+  std::string name;  ///< "postgres", "redis", "volume store"
   std::function<bool()> ok;
 };
 
 /// The operations port, 127.0.0.1 (or `address`) only, never behind the edge:
 ///   /metrics  Prometheus text format
-///   /healthz  200 while the process lives and its main loop runs; says nothing of what it depends on
-///   /readyz   200 or 503, JSON {"ready": bool, "checks": {...}, plus `details`}
+///   /healthz  200 while the process lives and its main loop runs; says nothing of what it depends
+///   on /readyz   200 or 503, JSON {"ready": bool, "checks": {...}, plus `details`}
 class AdminServer {
  public:
   struct Options {
     std::string address = "127.0.0.1";
     std::uint16_t port = 0;
-    std::string program;                   ///< "api", "ingestd", "renderd"
+    std::string program;  ///< "api", "ingestd", "renderd"
     std::vector<ReadyCheck> checks;
     std::function<std::string()> details;  ///< a JSON object merged into /readyz, or empty
   };

@@ -4,8 +4,9 @@
 
 namespace diaphane::service {
 
-/// SIGTERM and SIGINT become a value that the main thread waits for. Construct it before any other thread
-/// starts: the mask is inherited, so that no library's thread is interrupted. SIGPIPE is ignored.
+/// SIGTERM and SIGINT become a value that the main thread waits for. Construct it before any other
+/// thread starts: the mask is inherited, so that no library's thread is interrupted. SIGPIPE is
+/// ignored.
 class StopSignal {
  public:
   StopSignal();

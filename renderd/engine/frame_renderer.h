@@ -26,8 +26,8 @@ struct PictureRgbF {
 };
 
 struct EngineInfo {
-  std::string engine;  ///< "cpu" or "cuda"
-  std::string device;  ///< "2 CPU threads", "NVIDIA H200"
+  std::string engine;              ///< "cpu" or "cuda"
+  std::string device;              ///< "2 CPU threads", "NVIDIA H200"
   std::uint64_t memory_bytes = 0;  ///< all of the device's; of the machine's for the CPU
 };
 
