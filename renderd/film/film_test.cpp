@@ -1,0 +1,204 @@
+#include "renderd/film/film.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "renderd/film/error.h"
+#include "renderd/film/tone.h"
+#include "renderd/math/random.h"
+#include "renderd/math/test_statistics.h"
+
+namespace diaphane::render {
+namespace {
+
+constexpr double kAlpha = 1e-3;
+
+struct HostFilm {
+  std::vector<double> sum;
+  std::vector<float> difference;
+  std::vector<std::uint32_t> state;
+
+  explicit HostFilm(std::size_t pixels) : sum(3 * pixels), difference(3 * pixels), state(pixels) {}
+  FilmView view() { return {sum.data(), difference.data(), state.data()}; }
+  ConstFilmView read() const { return {sum.data(), difference.data(), state.data()}; }
+};
+
+TEST(Film, MeanIsThatOfTheSamplesHoweverTheyAreBatched) {
+  HostFilm by_one(1), by_many(1);
+  Random random(1, 2, 3);
+  double exact = 0;
+  PixelBatch many;
+  constexpr int kSamples = 1001;
+  for (int i = 0; i < kSamples; ++i) {
+    const float x = random.one();
+    exact += x;
+    PixelBatch one;
+    one.add({x, 2 * x, 3 * x}, true, static_cast<std::uint64_t>(i));
+    fold(by_one.view(), 0, one);
+    many.add({x, 2 * x, 3 * x}, true, static_cast<std::uint64_t>(i));
+  }
+  fold(by_many.view(), 0, many);
+  const PixelEstimate a = estimate_of(by_one.read(), 0, kSamples);
+  const PixelEstimate b = estimate_of(by_many.read(), 0, kSamples);
+  EXPECT_NEAR(a.mean.x, exact / kSamples, 1e-7);
+  EXPECT_NEAR(b.mean.x, exact / kSamples, 1e-5);
+  EXPECT_NEAR(a.mean.z, 3 * a.mean.x, 1e-6);
+  EXPECT_NEAR(a.deviation.x, b.deviation.x, 1e-5);
+  EXPECT_TRUE(a.met_matter);
+}
+
+TEST(Film, ASparseSignalKeepsItsMeanOverTenMillionSamples) {
+  // One sample in a thousand is 1: an fp32 running sum would have stopped growing evenly long
+  // before.
+  HostFilm film(1);
+  constexpr std::uint64_t kBatches = 10'000, kBatch = 1000;
+  for (std::uint64_t b = 0; b < kBatches; ++b) {
+    PixelBatch batch;
+    for (std::uint64_t i = 0; i < kBatch; ++i) {
+      batch.add({i == 3 ? 1.7f : 0.0f, 0, 0}, true, b * kBatch + i);
+    }
+    fold(film.view(), 0, batch);
+  }
+  EXPECT_NEAR(estimate_of(film.read(), 0, kBatches * kBatch).mean.x, 1.7e-3, 1e-9);
+}
+
+TEST(Film, SamplesThatAreNotFiniteAreDroppedAndCounted) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const Float3 bad[] = {
+      {kNan, 0, 0}, {0, kInfinity, 0}, {0, 0, -kInfinity}, {kInfinity, -kInfinity, 0}};
+  HostFilm film(1);
+  std::uint64_t n = 0, dropped = 0;
+  for (int round = 0; round < 5; ++round) {
+    for (const Float3 value : bad) {
+      PixelBatch batch;
+      batch.add(value, true, n++);
+      batch.add({2, 3, 4}, true, n++);
+      batch.add({2, 3, 4}, true, n++);
+      dropped += batch.dropped_even + batch.dropped_odd;
+      fold(film.view(), 0, batch);
+    }
+  }
+  EXPECT_EQ(dropped, 20u);
+  const PixelEstimate e = estimate_of(film.read(), 0, n);
+  EXPECT_FLOAT_EQ(e.mean.x, 2);
+  EXPECT_FLOAT_EQ(e.mean.y, 3);
+  EXPECT_FLOAT_EQ(e.mean.z, 4);
+  EXPECT_NEAR(e.deviation.x, 0, 1e-6);
+}
+
+TEST(Film, APixelOfWhichEverySampleWasDroppedIsBlack) {
+  HostFilm film(1);
+  for (std::uint64_t n = 0; n < 3; ++n) {
+    PixelBatch batch;
+    batch.add({std::numeric_limits<float>::quiet_NaN(), 0, 0}, false, n);
+    fold(film.view(), 0, batch);
+  }
+  EXPECT_EQ(estimate_of(film.read(), 0, 3).mean.x, 0);
+}
+
+/// E[deviation^2] = Var[mean], for even and odd numbers of samples.
+TEST(Film, TheSquaredDeviationIsTheVarianceOfTheMean) {
+  for (const std::uint64_t samples : {2ull, 3ull, 7ull, 16ull}) {
+    test::Moments squared, mean;
+    constexpr int kTrials = 20'000;
+    for (std::uint32_t trial = 0; trial < kTrials; ++trial) {
+      HostFilm film(1);
+      Random random(5, trial, samples);
+      PixelBatch batch;
+      for (std::uint64_t i = 0; i < samples; ++i) batch.add({random.exponential(), 0, 0}, true, i);
+      fold(film.view(), 0, batch);
+      const PixelEstimate e = estimate_of(film.read(), 0, samples);
+      squared.add(double{e.deviation.x} * e.deviation.x);
+      mean.add(e.mean.x);
+    }
+    const double exact = 1.0 / static_cast<double>(samples);  // an exponential's variance is 1
+    const double limit = test::critical_z(test::sidak(kAlpha, 4));
+    EXPECT_NEAR(squared.mean, exact, limit * squared.error_of_mean()) << samples;
+  }
+}
+
+TEST(Tone, IsThePowerCurveWithinThreeMillionths) {
+  for (int i = 0; i <= 200'000; ++i) {
+    const float x = static_cast<float>(i) / 200'000;
+    ASSERT_NEAR(tone(x), std::pow(static_cast<double>(x), 1 / 2.2), 3e-6) << x;
+  }
+  EXPECT_EQ(tone(-1), 0);
+  EXPECT_EQ(tone(0), 0);
+  EXPECT_NEAR(tone(7), 1, 1e-6);
+  EXPECT_EQ(tone(std::numeric_limits<float>::infinity()), tone(1));
+  EXPECT_EQ(to_display(1, 1), 255);
+  EXPECT_EQ(to_display(0, 1), 0);
+  EXPECT_EQ(to_display(0.25f, 4), 255);
+}
+
+TEST(White, IsThe99thPercentileWithinABin) {
+  HostFilm film(10'000);
+  for (std::uint64_t p = 0; p < 10'000; ++p) {
+    PixelBatch batch;
+    const float x = static_cast<float>(p + 1) / 10'000;
+    batch.add({x, x, x}, p % 2 == 0, 0);
+    fold(film.view(), p, batch);
+  }
+  WhiteHistogram histogram;
+  count_white(film.read(), 0, 10'000, 1, histogram);
+  std::uint64_t counted = 0;
+  for (std::uint64_t n : histogram.counts) counted += n;
+  EXPECT_EQ(counted, 15'000u) << "only pixels that met contents";
+  EXPECT_NEAR(white_from_histogram(histogram), 0.99, 0.05 * 0.99);
+  EXPECT_EQ(white_from_histogram(WhiteHistogram{}), 1.0f);
+}
+
+TEST(White, BinsRiseWithRadianceAndNeverLeaveTheHistogram) {
+  std::uint32_t before = 0;
+  for (float x = 1e-12f; x < 1e12f; x *= 1.02f) {
+    const std::uint32_t bin = white_bin(x);
+    EXPECT_GE(bin, before);
+    EXPECT_LT(bin, kWhiteBins);
+    before = bin;
+  }
+  EXPECT_EQ(white_bin(0), 0u);
+  EXPECT_EQ(white_bin(std::numeric_limits<float>::infinity()), kWhiteBins - 1);
+}
+
+/// Over pictures of many pixels with noise of a known size, in the linear part of the curve, the
+/// estimate is the root mean square of what the displayed picture is off by.
+TEST(Error, EstimatesWhatADisplayedPictureIsOffBy) {
+  constexpr std::uint32_t kWidth = 100, kHeight = 90;
+  constexpr std::uint64_t kSamples = 64;
+  HostFilm film(kWidth * kHeight);
+  double squared = 0;
+  const float white = 1.0f;
+  for (std::uint32_t p = 0; p < kWidth * kHeight; ++p) {
+    Random random(1, p, 2);
+    const float level = 0.1f + 0.8f * static_cast<float>(p) / (kWidth * kHeight);
+    PixelBatch batch;
+    for (std::uint64_t i = 0; i < kSamples; ++i) {
+      const float x = level * random.exponential();
+      batch.add({x, x, x}, true, i);
+    }
+    fold(film.view(), p, batch);
+    const float mean = estimate_of(film.read(), p, kSamples).mean.x;
+    const double off = tone(mean / white) - tone(level / white);
+    squared += off * off;
+  }
+  std::vector<TileError> tiles;
+  for (std::uint32_t y = 0; y * kTileSize < kHeight; ++y) {
+    for (std::uint32_t x = 0; x * kTileSize < kWidth; ++x) {
+      tiles.push_back(tile_error(film.read(), {kWidth, kHeight}, x, y, kSamples, white));
+    }
+  }
+  std::uint32_t pixels = 0;
+  for (const TileError& tile : tiles) pixels += tile.pixels;
+  EXPECT_EQ(pixels, kWidth * kHeight);
+  const double truth = std::sqrt(squared / (kWidth * kHeight));
+  EXPECT_NEAR(total_error(tiles, kSamples) / truth, 1, 0.05);
+  EXPECT_TRUE(std::isinf(total_error(tiles, 1)));
+  EXPECT_EQ(total_error({}, 10), 0);
+}
+
+}  // namespace
+}  // namespace diaphane::render
