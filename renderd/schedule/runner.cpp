@@ -22,9 +22,13 @@ double seconds_between(std::chrono::steady_clock::time_point from,
   return Seconds(to - from).count();
 }
 
-// While somebody drags, a still gets one quantum in so many; otherwise every second one.
-constexpr unsigned kQuantaPerStillMoving = 16;
+// The stills' time for each second that sessions rendered: little while somebody drags, else a
+// third of the device. By time, not by turns: a sample of a large canvas on a slow device takes a
+// second, and a turn of 30 ms between two of them would let a thumbnail wait for a minute.
+constexpr double kStillShareMoving = 1.0 / 16;
+constexpr double kStillShare = 0.5;
 constexpr double kStillQuantumSeconds = 0.03;
+constexpr double kLongestStillSeconds = 0.25;
 
 }  // namespace
 
@@ -178,11 +182,10 @@ bool Runner::step() {
     views.push_back(view_of(*track, now));
     anybody_moves = anybody_moves || (track->moving && track->wanted.visible);
   }
-  const unsigned between = anybody_moves ? kQuantaPerStillMoving : 1;
-  if (quanta_since_still_ >= between && still_quantum()) return true;
+  still_share_ = anybody_moves ? kStillShareMoving : kStillShare;
+  if (still_seconds_due_ >= kStillQuantumSeconds && still_quantum()) return true;
   const std::optional<Quantum> next = policy_->next(views);
   if (!next) return still_quantum();
-  ++quanta_since_still_;
   const auto chosen = std::find_if(tracks_.begin(), tracks_.end(), [&](const auto& track) {
     return track->handle == next->session;
   });
@@ -266,6 +269,8 @@ void Runner::quantum(Track& track, std::uint32_t samples) {
   const auto batch = track.renderer->render(samples, stop);
   if (!batch) return drop(track, batch.error());
   busy_seconds_ = busy_seconds_ + batch->seconds;
+  still_seconds_due_ =
+      std::min(still_seconds_due_ + still_share_ * batch->seconds, kLongestStillSeconds);
   if (batch->samples > 0) {
     const double cost = batch->seconds / (batch->samples * pixels(track.canvas));
     // The first sample of an epoch pays for set-up; a mean over a few forgets it soon.
@@ -317,7 +322,6 @@ bool Runner::still_quantum() {
     still_samples_ = 0;
   }
   if (stills_.empty()) return false;
-  quanta_since_still_ = 0;
   StillJob& job = stills_.front();
   const auto end = [&](Result<PictureRgb8> picture, double error) {
     job.done(std::move(picture), error);
@@ -330,10 +334,11 @@ bool Runner::still_quantum() {
       return true;
     }
   }
-  // One sample, then as many as fit the quantum at the speed seen so far.
+  // One sample, then as many as fit what is due at the speed seen so far.
   const Progress before = job.renderer->progress();
   const double per_sample = before.samples > 0 ? before.seconds / double(before.samples) : 0;
-  const double fitting = per_sample > 0 ? kStillQuantumSeconds / per_sample : 1;
+  const double due = std::max(still_seconds_due_, kStillQuantumSeconds);
+  const double fitting = per_sample > 0 ? due / per_sample : 1;
   const auto left = job.samples - std::min<std::uint64_t>(job.samples, still_samples_);
   const auto samples = static_cast<std::uint32_t>(
       std::clamp<double>(fitting, 1, static_cast<double>(std::max<std::uint64_t>(left, 1))));
@@ -345,6 +350,7 @@ bool Runner::still_quantum() {
     return true;
   }
   busy_seconds_ = busy_seconds_ + batch->seconds;
+  still_seconds_due_ = std::max(0.0, still_seconds_due_ - batch->seconds);
   still_samples_ += batch->samples;
   if (still_samples_ < job.samples) return true;
   PictureRgb8 picture;

@@ -98,7 +98,8 @@ class Runner {
   std::deque<StillJob> stills_;
   double seconds_per_pixel_ =
       0;  // of this device, whoever was last: what a new session starts from
-  unsigned quanta_since_still_ = 0;
+  double still_share_ = 0;
+  double still_seconds_due_ = 0;     // of the device, to the stills
   std::uint64_t still_samples_ = 0;  // of the first of `stills_`
   std::thread thread_;
 };
