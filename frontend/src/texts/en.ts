@@ -116,7 +116,7 @@ export const t = {
     interrupted: (percent: number) => `Interrupted at ${percent} %`,
     interrupted_hint: "Choose the same folder again and the upload goes on where it stopped.",
     go_on: "Go on",
-    cancel_upload: "Cancel upload",
+    cancel_upload: (title: string) => `Cancel the upload of ${title}`,
     states: {
       uploading: "Uploading",
       queued: "Waiting to be built",
@@ -191,8 +191,6 @@ export const t = {
     error_unknown: "measuring…",
     error_help: "How far the picture may still be from the finished one, on average. It halves with four times the samples.",
     time: "Time",
-    device: "Device",
-    speed: "Speed",
     per_second: (n: number) => `${n < 10 ? n.toFixed(1) : number.format(Math.round(n))} a second`,
     plot: "Error against time, both logarithmic",
     finished: "Finished",

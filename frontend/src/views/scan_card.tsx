@@ -17,6 +17,7 @@ export interface ScanCardProps {
 export function ScanCard({ set, upload, onRemove }: ScanCardProps) {
   const ready = set.state === "ready";
   const title = title_of(set);
+  const remove = upload && !upload.failed ? t.scans.cancel_upload(title) : t.scans.remove(title);
   return (
     <article class={`card card-${set.state}`} data-state={set.state} data-id={set.id}>
       <Picture set={set} />
@@ -31,7 +32,7 @@ export function ScanCard({ set, upload, onRemove }: ScanCardProps) {
         <Details set={set} upload={upload} />
       </div>
       {set.owned ? (
-        <button type="button" class="icon-button card-remove" aria-label={t.scans.remove(title)} title={t.scans.remove(title)} onClick={onRemove}>
+        <button type="button" class="icon-button card-remove" aria-label={remove} title={remove} onClick={onRemove}>
           <Icon name="trash" />
         </button>
       ) : null}
