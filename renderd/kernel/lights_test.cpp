@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -57,6 +58,26 @@ TEST(RectangleLight, SamplesAddUpToItsSolidAngle) {
     EXPECT_NEAR(moments.mean, exact,
                 test::critical_z(test::sidak(kAlpha, 4)) * moments.error_of_mean() + 1e-5 * exact);
   }
+}
+
+TEST(RectangleLight, PointsAreUniformOverIt) {
+  const RectangleLight light = rectangle({-10, -20, 50}, {0, 30, 0}, {20, 5, -3});
+  const Double3 place{3, -4, 5}, u = to_double(light.u), v = to_double(light.v);
+  const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), det = uu * vv - uv * uv;
+  constexpr int kSide = 10;  // 100 patches
+  std::array<std::uint64_t, kSide * kSide> counts{};
+  const auto patch = [](double x) { return std::clamp(static_cast<int>(x * kSide), 0, kSide - 1); };
+  Random random(4, 5, 6);
+  for (int i = 0; i < 1'000'000; ++i) {
+    const Random::Pair r = random.two();
+    const LightSample s = sample_rectangle(light, to_float(place), r.a, r.b);
+    ASSERT_TRUE(s.lit);
+    const Double3 p = place + to_double(s.direction) * double{s.distance} - to_double(light.corner);
+    const int a = patch((dot(p, u) * vv - dot(p, v) * uv) / det);
+    const int b = patch((dot(p, v) * uu - dot(p, u) * uv) / det);
+    ++counts[static_cast<std::size_t>(a + kSide * b)];
+  }
+  EXPECT_LT(test::chi_square_uniform(counts), test::critical_chi_square(kAlpha, kSide * kSide - 1));
 }
 
 TEST(RectangleLight, DirectionAndDistanceLeadToIt) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "renderd/math/test_statistics.h"
 
@@ -77,6 +78,15 @@ TEST(Random, NeighbouringStreamsAreUncorrelated) {
   EXPECT_LT(std::abs(by_pixel), limit);
   EXPECT_LT(std::abs(by_sample), limit);
   EXPECT_LT(std::abs(by_dimension), limit);
+}
+
+TEST(Random, NeighbouringStreamsShareNoNumbers) {
+  // 64 streams of 1024 numbers of 64 bits: a chance collision has probability 1e-10.
+  std::set<std::uint64_t> seen;
+  for (std::uint32_t key = 0; key < 64; ++key) {
+    Random random(key / 16, key / 4 % 4, key % 4);
+    for (int i = 0; i < 1024; ++i) EXPECT_TRUE(seen.insert(random.bits()).second);
+  }
 }
 
 TEST(Random, IsAPureFunctionOfItsKey) {
