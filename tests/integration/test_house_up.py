@@ -27,13 +27,14 @@ class Home:
     def __init__(self, house: StackHouse):
         self.data = house.folder()
         self.data.chmod(0o755)
+        self.port = ports.random_free()["edge"]
 
     def run(self, *words: str, timeout: float = 120, env: dict | None = None) -> subprocess.CompletedProcess:
         return subprocess.run([str(REPO / "diaphane"), *words, "--data", str(self.data)], stdin=subprocess.DEVNULL,
                               capture_output=True, text=True, timeout=timeout, env={**os.environ, **(env or {})})
 
     def up(self, *words: str, **more) -> subprocess.CompletedProcess:
-        return self.run("up", "--detach", "--engine", "cpu", *words, **more)
+        return self.run("up", "--detach", "--engine", "cpu", "--port", str(self.port), *words, **more)
 
     def status(self) -> dict:
         return json.loads(self.run("status", "--json").stdout)
@@ -66,7 +67,7 @@ def answers(url: str) -> bool:
 
 
 def test_up_down_and_up_again_keeps_everything_and_is_quick(home):
-    url = url_of(home.up("--port", "18080"))
+    url = url_of(home.up())
     assert answers(url)
     status = home.status()
     assert {p["name"] for p in status["programs"] if p["ready"]} == PROGRAMS
@@ -81,50 +82,51 @@ def test_up_down_and_up_again_keeps_everything_and_is_quick(home):
     assert home.run("status").returncode == 3
 
     before = time.monotonic()
-    url_of(home.up("--port", "18080"))
+    url_of(home.up())
     assert time.monotonic() - before < 10
     assert (home.data / "secrets" / "postgres").read_text(encoding="ascii") == secret
     assert (home.data / "sample.loaded").read_text(encoding="ascii") == sample
 
 
 def test_nothing_that_up_starts_runs_as_root(home):
-    url_of(home.up("--port", "18080"))
-    assert all(os.stat(f"/proc/{program['pid']}").st_uid != 0 for program in home.record()["programs"])
+    url_of(home.up())
+    pids = [program["pid"] for program in home.record()["programs"]] + [home.record()["supervisor"]["pid"]]
+    assert all(os.stat(f"/proc/{pid}").st_uid != 0 for pid in pids)
 
 
 def test_a_taken_port_is_named_and_the_next_one_used(home):
     with socket.socket() as taken:
         taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        taken.bind(("127.0.0.1", 18180))
+        taken.bind(("127.0.0.1", home.port))
         taken.listen()
-        done = home.up("--port", "18180")
+        done = home.up()
         assert answers(url_of(done))
-        assert ":18180/" not in url_of(done)
-        assert "port 18180 (edge) is taken, using " in done.stdout
+        assert f":{home.port}/" not in url_of(done)
+        assert f"port {home.port} (edge) is taken, using " in done.stdout
 
 
 def test_a_second_up_says_where_the_first_is(home):
-    first = url_of(home.up("--port", "18080"))
+    first = url_of(home.up())
     again = home.up()
     assert again.returncode == 0
     assert f"runs already: {first}" in again.stdout
 
 
 def test_after_a_kill_of_the_supervisor_the_next_up_takes_over_without_remains(home):
-    url_of(home.up("--port", "18080"))
+    url_of(home.up())
     left = [Identity(p["pid"], p["start"]) for p in home.record()["programs"]]
     supervisor = home.record()["supervisor"]["pid"]
     os.kill(supervisor, signal.SIGKILL)
     assert wait_gone([Identity(supervisor, home.record()["supervisor"]["start"])], 2) == []
 
-    done = home.up("--port", "18080")
-    assert url_of(done) == "http://localhost:18080/"
+    done = home.up()
+    assert url_of(done) == f"http://localhost:{home.port}/"
     assert "left behind" in done.stdout
     assert [i for i in left if i.alive()] == []
 
 
 def test_down_stops_what_a_killed_supervisor_left(home):
-    url_of(home.up("--port", "18080"))
+    url_of(home.up())
     left = [Identity(p["pid"], p["start"]) for p in home.record()["programs"]]
     os.kill(home.record()["supervisor"]["pid"], signal.SIGKILL)
     assert home.run("down").returncode == 0
@@ -132,7 +134,8 @@ def test_down_stops_what_a_killed_supervisor_left(home):
 
 
 def test_interrupt_stops_everything_within_five_seconds(home):
-    process = subprocess.Popen([str(REPO / "diaphane"), "up", "--data", str(home.data), "--port", "18080", "--engine", "cpu"],
+    process = subprocess.Popen([str(REPO / "diaphane"), "up", "--data", str(home.data), "--port", str(home.port),
+                                "--engine", "cpu"],
                                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert any(line.startswith("Diaphane is at ") for line in process.stdout)
     programs = [Identity(p["pid"], p["start"]) for p in home.record()["programs"]]
@@ -164,7 +167,7 @@ def test_a_directory_with_something_else_in_it_is_refused_and_left_as_it_is(home
 
 
 def test_a_program_that_refuses_its_settings_ends_up_with_its_own_words(home):
-    done = home.up("--port", "18080", env={"DIAPHANE_SLOTS": "many"})
+    done = home.up(env={"DIAPHANE_SLOTS": "many"})
     assert done.returncode == 1
     assert "renderd refuses its settings (exit 78)" in done.stderr + done.stdout
     assert "slots" in done.stderr + done.stdout
