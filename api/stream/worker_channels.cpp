@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <new>
 #include <thread>
 #include <vector>
 
@@ -77,7 +78,7 @@ WorkerChannels::~WorkerChannels() {
   for (drop_unused(); !channels_.empty(); drop_unused()) {
     if (std::chrono::steady_clock::now() > deadline) {
       // Better never ended than ended on a wrong thread; the process stops anyway.
-      new auto(std::move(channels_));
+      new (std::nothrow) auto(std::move(channels_));
       return;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
