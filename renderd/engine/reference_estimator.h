@@ -1,0 +1,207 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "api/proto/scene.pb.h"
+#include "renderd/film/canvas.h"
+#include "volume/volume.h"
+
+// For tests: single scattering as the scene's definition has it, for every scene that can be set,
+// in double precision and world space, by the plainest means there are: one majorant for the whole
+// volume, no grid, no tables, shadows by delta tracking, a rectangle picked with equal chances, the
+// sky over the whole sphere. It shares no code with the renderer.
+
+namespace diaphane::render::test {
+
+struct Triple {
+  std::array<double, 3> of;
+
+  double operator[](std::size_t axis) const { return of[axis]; }
+  double& operator[](std::size_t axis) { return of[axis]; }
+};
+
+inline Triple operator+(Triple a, Triple b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline Triple operator-(Triple a, Triple b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+inline Triple operator*(Triple a, double s) { return {a[0] * s, a[1] * s, a[2] * s}; }
+inline double inner(Triple a, Triple b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline Triple outer(Triple a, Triple b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline Triple unit(Triple a) { return a * (1 / std::sqrt(inner(a, a))); }
+inline Triple triple(const diaphane::v1::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+inline Triple triple(const diaphane::v1::Rgb& c) { return {c.r(), c.g(), c.b()}; }
+
+class ReferenceEstimator {
+ public:
+  ReferenceEstimator(const volume::Volume& volume, const diaphane::v1::Scene& scene, Canvas canvas,
+                     std::uint64_t seed)
+      : volume_(volume), scene_(scene), canvas_(canvas), generator_(seed) {
+    const auto& camera = scene.camera();
+    back_ = unit(triple(camera.eye()) - triple(camera.target()));
+    right_ = unit(outer(triple(camera.up()), back_));
+    up_ = outer(back_, right_);
+    for (const auto& light : scene.lights()) {
+      if (light.has_environment()) {
+        sky_ = sky_ + triple(light.environment().radiance());
+        continue;
+      }
+      const auto& r = light.rectangle();
+      Rectangle out{triple(r.corner()), triple(r.u()), triple(r.v()), triple(r.radiance())};
+      if (light.camera_locked()) {
+        out.corner = triple(camera.target()) + from_camera(out.corner);
+        out.u = from_camera(out.u);
+        out.v = from_camera(out.v);
+      }
+      rectangles_.push_back(out);
+    }
+    for (int i = 0; i < 3; ++i) {
+      const auto axis = static_cast<std::size_t>(i);
+      const auto& d = volume.header.direction;
+      axes_[axis] = {d[axis], d[3 + axis], d[6 + axis]};
+      half_[axis] = 0.5 * volume.header.size[axis] * volume.header.spacing[axis];
+    }
+  }
+
+  /// One estimate of the radiance through pixel (x, y).
+  Triple sample(std::uint32_t x, std::uint32_t y) {
+    const double tangent =
+        std::tan(scene_.camera().vertical_fov_degrees() * std::numbers::pi / 360);
+    const double a = (2 * (x + uniform()) / canvas_.width - 1) * tangent * canvas_.width /
+                     static_cast<double>(canvas_.height);
+    const double b = (1 - 2 * (y + uniform()) / canvas_.height) * tangent;
+    const Triple ray = unit(right_ * a + up_ * b - back_);
+    Triple place = triple(scene_.camera().eye());
+    double value = 0;
+    if (!collides(place, ray, 1e30, value)) {
+      return scene_.display().show_environment() ? sky_ : triple(scene_.display().background());
+    }
+    const Triple light = from_rectangles(place, ray) + from_sky(place, ray);
+    const Triple albedo = albedo_of(value);
+    return {albedo[0] * light[0], albedo[1] * light[1], albedo[2] * light[2]};
+  }
+
+ private:
+  struct Rectangle {
+    Triple corner, u, v, radiance;
+  };
+
+  double uniform() { return std::uniform_real_distribution<double>(0, 1)(generator_); }
+  Triple from_camera(Triple v) const { return right_ * v[0] + up_ * v[1] + back_ * v[2]; }
+
+  double phase(double cosine) const {
+    const double g = scene_.phase().g();
+    const double d = 1 + g * g - 2 * g * cosine;
+    return (1 - g * g) / (4 * std::numbers::pi * d * std::sqrt(d));
+  }
+
+  Triple from_rectangles(Triple place, Triple ray) {
+    if (rectangles_.empty()) return {};
+    const auto count = static_cast<double>(rectangles_.size());
+    const Rectangle& r = rectangles_[static_cast<std::size_t>(uniform() * count)];
+    const Triple to = r.corner + r.u * uniform() + r.v * uniform() - place;
+    const double distance = std::sqrt(inner(to, to));
+    const Triple towards = to * (1 / distance), area = outer(r.u, r.v);
+    // Of the area as seen from the place.
+    const double facing = -inner(area, towards);
+    double value = 0;
+    if (facing <= 0 || collides(place, towards, distance, value)) return {};
+    return r.radiance * (count * phase(inner(ray, towards)) * facing / (distance * distance));
+  }
+
+  Triple from_sky(Triple place, Triple ray) {
+    const double z = 2 * uniform() - 1, angle = 2 * std::numbers::pi * uniform();
+    const double r = std::sqrt(1 - z * z);
+    const Triple towards{r * std::cos(angle), r * std::sin(angle), z};
+    double value = 0;
+    if (collides(place, towards, 1e30, value)) return {};
+    return sky_ * (4 * std::numbers::pi * phase(inner(ray, towards)));
+  }
+
+  /// Moves `place` to the first collision within `most` mm, where the voxels' value is `value`.
+  bool collides(Triple& place, Triple direction, double most, double& value) {
+    double begin = 0, end = most;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double o = inner(place, axes_[axis]), d = inner(direction, axes_[axis]);
+      const double p = (-half_[axis] - o) / d, q = (half_[axis] - o) / d;
+      begin = std::max(begin, std::min(p, q));
+      end = std::min(end, std::max(p, q));
+    }
+    const double majorant = scene_.transfer_function().extinction_per_mm();
+    for (double t = begin;;) {
+      t -= std::log(1 - uniform()) / majorant;
+      if (!(t < end)) return false;
+      const Triple p = place + direction * t;
+      value = value_at(p);
+      if (uniform() < opacity_of(value)) {
+        place = p;
+        return true;
+      }
+    }
+  }
+
+  double value_at(Triple p) const {
+    const auto& h = volume_.header;
+    double value = 0;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      double weight = 1;
+      std::array<std::size_t, 3> index{};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double q = (inner(p, axes_[axis]) + half_[axis]) / h.spacing[axis] - 0.5;
+        const double low = std::floor(q);
+        const bool upper = (corner >> axis & 1) != 0;
+        weight *= upper ? q - low : 1 - (q - low);
+        index[axis] =
+            static_cast<std::size_t>(std::clamp(low + (upper ? 1 : 0), 0.0, h.size[axis] - 1.0));
+      }
+      value += weight * volume_.voxels[index[0] + h.size[0] * (index[1] + h.size[1] * index[2])];
+    }
+    return value;
+  }
+
+  static double opacity_of(const diaphane::v1::Channel& channel, double value) {
+    if (channel.disabled()) return 0;
+    for (int i = 1; i < channel.opacity_size(); ++i) {
+      const auto& a = channel.opacity(i - 1);
+      const auto& b = channel.opacity(i);
+      if (value >= a.value() && value <= b.value()) {
+        return a.opacity() +
+               (b.opacity() - a.opacity()) * (value - a.value()) / (b.value() - a.value());
+      }
+    }
+    return 0;
+  }
+  double opacity_of(double value) const {
+    double most = 0;
+    for (const auto& channel : scene_.transfer_function().channels()) {
+      most = std::max(most, opacity_of(channel, value));
+    }
+    return most;
+  }
+  Triple albedo_of(double value) const {
+    Triple sum{};
+    double weight = 0;
+    for (const auto& channel : scene_.transfer_function().channels()) {
+      const double opacity = opacity_of(channel, value);
+      sum = sum + triple(channel.diffuse()) * opacity;
+      weight += opacity;
+    }
+    return weight > 0 ? sum * (1 / weight) : sum;
+  }
+
+  const volume::Volume& volume_;
+  const diaphane::v1::Scene& scene_;
+  Canvas canvas_;
+  std::mt19937_64 generator_;
+  Triple back_{}, right_{}, up_{}, sky_{};
+  std::vector<Rectangle> rectangles_;
+  std::array<Triple, 3> axes_{};
+  Triple half_{};
+};
+
+}  // namespace diaphane::render::test
