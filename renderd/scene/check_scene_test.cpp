@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <string>
 
@@ -114,6 +116,15 @@ TEST(SceneJson, ComesBackAsItWas) {
   const auto again = scene_from_json(scene_to_json(scene));
   ASSERT_TRUE(again);
   EXPECT_EQ(again->SerializeAsString(), scene.SerializeAsString());
+}
+
+TEST(SceneJson, TheScenesOfTheTestsAreValid) {
+  std::ifstream file(DIAPHANE_SCENES "/cranium.json");
+  const std::string json{std::istreambuf_iterator<char>(file), {}};
+  const auto scene = scene_from_json(json);
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_TRUE(check_scene(*scene));
+  EXPECT_EQ(scene->lights_size(), 2);
 }
 
 TEST(SceneJson, RefusesAnUnknownFieldByName) {
