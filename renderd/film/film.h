@@ -83,8 +83,9 @@ HOST_DEVICE float scaled_difference(double sum, float difference, double to_even
 HOST_DEVICE PixelEstimate estimate_of(const ConstFilmView& film, std::uint64_t pixel,
                                       std::uint64_t samples) {
   const std::uint32_t state = film.state[pixel];
-  const double even = static_cast<double>((samples + 1) / 2 - (state & kDroppedMask));
-  const double odd = static_cast<double>(samples / 2 - (state >> 15 & kDroppedMask));
+  const std::uint64_t odd_drawn = samples / 2, even_drawn = samples - odd_drawn;
+  const double even = static_cast<double>(even_drawn - (state & kDroppedMask));
+  const double odd = static_cast<double>(odd_drawn - (state >> 15 & kDroppedMask));
   const double count = even + odd;
   PixelEstimate e{{0, 0, 0}, {0, 0, 0}, (state & kMetMatter) != 0};
   if (!(count > 0)) return e;
