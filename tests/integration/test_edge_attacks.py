@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import os
+import re
 import resource
 import select
 import socket
 import struct
 import time
+import urllib.request
 
 import pytest
 from api_client import person
-from edge_attacks import ATTACKS, SMUGGLED
+from edge_attacks import ATTACKS
 from edge_help import Ordinary, connect, family, resident_mb, statuses, talk
 
 #: How slow an ordinary answer may be at worst while the machine is under attack (2 cores, shared with the attackers).
@@ -50,7 +52,6 @@ def ordinary(edge, somebody, record_property):
     assert one.p99() < P99_SECONDS
     assert grown < 100, "the API's memory grew"
     assert edge_mb < 250, "the edge's memory grew"
-    assert SMUGGLED not in edge.log("api")
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -70,6 +71,7 @@ def reset(one: socket.socket) -> None:
 
 def test_every_malformed_request_is_refused_and_nothing_is_smuggled(edge, ordinary):
     findings = []
+    smuggled = sessions_listed(edge)
     for attack in ATTACKS:
         try:
             answer = talk(edge.ports["edge"], attack.data)
@@ -81,9 +83,34 @@ def test_every_malformed_request_is_refused_and_nothing_is_smuggled(edge, ordina
             findings.append(f"{attack.name}: no answer")
         if len(got) > attack.answers or any(one not in attack.allowed for one in got):
             findings.append(f"{attack.name}: {got}")
-        if b"root:" in answer or SMUGGLED.encode() in answer:
-            findings.append(f"{attack.name}: {answer[:200]!r}")
     assert findings == []
+    assert sessions_listed(edge) == smuggled
+
+
+def sessions_listed(stack) -> float:
+    """How often the API was asked for a list of sessions, which no test of this file does but by smuggling."""
+    with urllib.request.urlopen(f"http://127.0.0.1:{stack.ports['api-admin']}/metrics") as answer:
+        text = answer.read().decode()
+    return sum(float(value) for value in re.findall(r'requests_total\{operation="listSessions"[^}]*\} (\S+)', text))
+
+
+def cut_at(length: int, start: bytes, byte: bytes) -> bytes:
+    """A request whose first `length` bytes end where another one begins."""
+    head = start + b"X-A: a" + byte + b"b\r\nX-P: "
+    return head + b"p" * (length - len(head)) + b"GET /v1/sessions HTTP/1.1\r\nX: b\r\nConnection: close\r\n\r\n"
+
+
+@pytest.mark.parametrize("byte", [b"\t", b"\xe4"], ids=["TAB", "non-ASCII"])
+def test_headers_that_the_listener_cuts_smuggle_nothing_through_the_edge(edge, ordinary, byte):
+    start = b"GET /v1/me HTTP/1.1\r\nHost: localhost\r\n"
+    before = sessions_listed(edge)
+    # The weakness itself, behind the edge: such a byte cuts the headers at 512 bytes. One day it may be mended; then
+    # this line goes.
+    assert statuses(talk(edge.ports["api"], cut_at(512, start, byte))) == [401, 401]
+    assert sessions_listed(edge) == before + 1
+    for length in range(300, 560):  # the edge's own headers shift it
+        assert statuses(talk(edge.ports["edge"], cut_at(length, start, byte))) == [401]
+    assert sessions_listed(edge) == before + 1
 
 
 def test_each_answer_of_the_edge_has_its_security_headers_and_says_what_is_wrong(edge):
