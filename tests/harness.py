@@ -84,7 +84,7 @@ class TestStack:
 
     def mails(self, to: str | None = None) -> list[EmailMessage]:
         """The mails that were sent, oldest first; only those to `to` when it is given."""
-        files = [f for f in (self.data_dir / "mail").iterdir() if f.suffix == ".eml"]
+        files = [f for f in (self.data_dir / "mail").iterdir() if f.suffix == ".eml" and not f.name.startswith(".")]
         files.sort(key=lambda f: (f.stat().st_mtime_ns, f.name))
         mails = [email.message_from_bytes(f.read_bytes(), policy=email.policy.default) for f in files]
         return [m for m in mails if to is None or to in str(m["To"])]
