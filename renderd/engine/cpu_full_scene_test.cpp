@@ -61,7 +61,7 @@ diaphane::v1::Scene full_scene(double g) {
   test::set(locked->mutable_rectangle()->mutable_v(), 2, 20, 0);
   test::set(scene.add_lights()->mutable_environment()->mutable_radiance(), 0.25, 0.375, 0.5);
   test::set_camera(scene, 35, -45, 25, 36);
-  test::set(scene.mutable_camera()->mutable_target(), 1, -1, 0.5);
+  test::set(scene.mutable_camera()->mutable_target(), 6, -5, 4);
   scene.mutable_phase()->set_g(g);
   scene.mutable_display()->set_show_environment(g > 0);
   test::set(scene.mutable_display()->mutable_background(), 0.125, 0.25, 0.0625);

@@ -116,6 +116,50 @@ TEST(Majorants, BoundTheExtinctionEverywhereOnSpikesAndFallingFunctions) {
   }
 }
 
+/// Noise hides a bound that forgets a neighbour: other voxels of the cell are as large. A lone
+/// bright or dark voxel does not.
+TEST(Majorants, BoundLoneVoxelsAlsoFromTheNeighbouringCell) {
+  const Int3 size{20, 18, 19};
+  diaphane::v1::Scene scene = test::skull_scene();
+  for (const double lone : {30000.0, 0.0}) {
+    for (int at = 5; at <= 10; ++at) {
+      const test::Prepared p(test::make_volume({20, 18, 19}, {1, 1, 1},
+                                               [&](double x, double y, double z) {
+                                                 const bool here = static_cast<int>(x) == at &&
+                                                                   static_cast<int>(y) == at &&
+                                                                   static_cast<int>(z) == at;
+                                                 return here ? lone : 30000 - lone;
+                                               }),
+                             scene);
+      const SceneView<LinearVolume> view = p.view();
+      // Every eighth of a voxel, the borders of cells among them; at a border, in both cells.
+      for (int z = 8 * (at - 1); z <= 8 * (at + 2); ++z) {
+        for (int y = 8 * (at - 1); y <= 8 * (at + 2); ++y) {
+          for (int x = 8 * (at - 1); x <= 8 * (at + 2); ++x) {
+            const int place[] = {x, y, z}, n[] = {size.x, size.y, size.z};
+            const float e = extinction_at(view.transfer,
+                                          view.volume.at(Float3{0.125f * static_cast<float>(x),
+                                                                0.125f * static_cast<float>(y),
+                                                                0.125f * static_cast<float>(z)}));
+            for (int side = 0; side < 8; ++side) {
+              int cell[3];
+              for (int axis = 0; axis < 3; ++axis) {
+                const int eighth = place[axis] - (side >> axis & 1);
+                cell[axis] = std::clamp(eighth / 8, 0, n[axis] - 1) / kCellSize;
+              }
+              const CellBounds bounds =
+                  view.grid
+                      .cells[cell[0] + view.grid.size.x * (cell[1] + view.grid.size.y * cell[2])];
+              ASSERT_LE(e, bounds.majorant) << "voxel " << at;
+              ASSERT_GE(e, bounds.minorant) << "voxel " << at;
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST(Majorants, AreTightWhereTheValuesAre) {
   diaphane::v1::Scene scene = test::skull_scene();
   const test::Prepared p(test::constant_volume(9, 15000), scene);
