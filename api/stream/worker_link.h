@@ -36,10 +36,10 @@ class LinkEvents {
 class WorkerLink final
     : public grpc::ClientBidiReactor<diaphane::v1::AttachRequest, diaphane::v1::AttachReply> {
  public:
-  static constexpr std::size_t kMostUndelivered =
-      3;  ///< messages read and not yet written to the viewer
-  static constexpr std::size_t kMostUnsent =
-      16;  ///< messages of the viewer not yet with the worker
+  /// Messages read and not yet written to the viewer.
+  static constexpr std::size_t kMostUndelivered = 3;
+  /// Messages of the viewer not yet with the worker.
+  static constexpr std::size_t kMostUnsent = 16;
 
   /// Begins the call with Open.
   static std::shared_ptr<WorkerLink> open(const std::shared_ptr<grpc::Channel>& channel,
