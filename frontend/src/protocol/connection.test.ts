@@ -39,6 +39,13 @@ describe("the connection", () => {
     }
   });
 
+  it("leaves a session that another window took over alone until it is asked to go on here", () => {
+    const taken = run([...to_live, { kind: "closed", code: 4409 }]);
+    expect(taken.state).toMatchObject({ phase: "elsewhere", trouble: "taken_over" });
+    expect(run([{ kind: "timeout" }, { kind: "wake" }], taken.state).effects).toEqual([]);
+    expect(run([{ kind: "start" }], taken.state)).toMatchObject({ state: { phase: "asking", trouble: null } });
+  });
+
   it("waits longer from try to try, and starts anew only when a picture came", () => {
     let state = run(to_live).state;
     for (let i = 1; i <= 4; i++) {

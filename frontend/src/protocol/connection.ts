@@ -10,10 +10,11 @@ export type Phase =
   | "greeting" // hello is sent, the configuration is awaited
   | "live"
   | "waiting" // for the next try
+  | "elsewhere" // another window took the session over; goes on here when asked to
   | "stopped";
 
 /** Why there is no picture (yet), as a key of the texts. */
-export type Trouble = "lost" | "worker_lost" | "no_worker" | "unreachable" | "not_found" | "not_ready" | "signed_out" | "refused";
+export type Trouble = "lost" | "worker_lost" | "no_worker" | "unreachable" | "not_found" | "not_ready" | "signed_out" | "refused" | "taken_over";
 
 export interface ConnectionState {
   readonly phase: Phase;
@@ -77,7 +78,7 @@ export function advance(state: ConnectionState, event: ConnectionEvent, spread: 
   if (state.phase === "stopped") return stay;
   switch (event.kind) {
     case "start":
-      return state.phase === "idle" ? ask(state) : stay;
+      return state.phase === "idle" || state.phase === "elsewhere" ? ask({ ...state, trouble: null }) : stay;
     case "stop":
       return { state: { ...state, phase: "stopped" }, effects: [{ kind: "disarm" }, { kind: "close" }] };
     case "ticket":
@@ -102,6 +103,9 @@ export function advance(state: ConnectionState, event: ConnectionEvent, spread: 
       return state.phase === "live" && state.attempt > 0 ? { state: { ...state, attempt: 0 }, effects: [] } : stay;
     case "closed":
       if (state.phase !== "opening" && state.phase !== "greeting" && state.phase !== "live") return stay;
+      // Two windows that each come back by themselves would take the session from each other for ever.
+      if (event.code === taken_over)
+        return { state: { ...state, phase: "elsewhere", trouble: "taken_over" }, effects: [{ kind: "disarm" }, { kind: "close" }] };
       return later(trouble_of_close(event.code));
     case "timeout":
       if (state.phase === "waiting") return ask(state);
@@ -113,6 +117,8 @@ export function advance(state: ConnectionState, event: ConnectionEvent, spread: 
 }
 
 /** Close codes of docs/contracts.md, "Stream". */
+const taken_over = 4409;
+
 function trouble_of_close(code: number): Trouble {
   switch (code) {
     case 4503:

@@ -38,6 +38,7 @@ const troubles: Record<Trouble, string> = {
   not_ready: "This scan is still being built. Its picture will come by itself.",
   not_found: "There is no such scan, or it belongs to somebody else.",
   signed_out: "You are signed out. Sign in again to go on.",
+  taken_over: "This picture goes on in another window.",
 };
 
 export const t = {
@@ -178,6 +179,7 @@ export const t = {
     stage: "The scan in three dimensions. Arrow keys rotate, plus and minus zoom, R resets, 1 to 4 choose a look, question mark shows all keys.",
     first: "Preparing the picture…",
     troubles,
+    continue_here: "Continue here",
     presets: "Looks",
     preset: { skin: "Skin", muscle: "Muscle", vessels: "Vessels", bone: "Bone" } as Readonly<Record<string, string>>,
     reset: "Reset the view",

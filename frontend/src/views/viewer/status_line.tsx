@@ -8,7 +8,8 @@ export function StatusLine({ session, fault }: { readonly session: ViewerSession
   const connection = session?.connection.value;
   const trouble = connection?.trouble ?? null;
   const shown = session?.picture.value ?? null;
-  const stopped = connection?.phase === "stopped";
+  const elsewhere = connection?.phase === "elsewhere";
+  const stopped = connection?.phase === "stopped" || elsewhere;
   // A refusal is told in the server's own words, where it gave any.
   const said = session?.problem.value ?? "";
   const text = [fault, trouble === "refused" ? said : "", trouble ? t.viewer.troubles[trouble] : "", said].find((line) => line !== "") ?? "";
@@ -21,7 +22,11 @@ export function StatusLine({ session, fault }: { readonly session: ViewerSession
         <p class={`glass pill${trouble && !stopped ? " pill-warn" : " pill-bad"}`}>
           {trouble && !stopped ? <span class="spinner" /> : <Icon name="alert" />}
           {text}
-          {stopped ? <Link href="/scans">{t.viewer.back}</Link> : null}
+          {elsewhere ? (
+            <button type="button" class="button" onClick={() => session?.start()}>{t.viewer.continue_here}</button>
+          ) : stopped ? (
+            <Link href="/scans">{t.viewer.back}</Link>
+          ) : null}
         </p>
       ) : null}
     </div>
