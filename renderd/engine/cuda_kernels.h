@@ -23,6 +23,7 @@ struct TextureVolume {
 
 #if defined(__CUDACC__)
   __device__ float at(Float3 index) const;
+  __device__ ValueSpan corner_range(Int3 cell) const;
 #endif
 };
 

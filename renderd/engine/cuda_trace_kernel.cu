@@ -23,6 +23,20 @@ __device__ __forceinline__ float TextureVolume::at(Float3 p) const {
   return v0 + wz * (v1 - v0);
 }
 
+__device__ __forceinline__ ValueSpan TextureVolume::corner_range(Int3 cell) const {
+  ValueSpan range{32767.0f, -32768.0f};
+  for (int corner = 0; corner < 8; ++corner) {
+    // The texture clamps the index -1 below the first voxel too.
+    const float v =
+        static_cast<float>(tex3D<short>(texture, static_cast<float>(cell.x - (corner & 1)),
+                                        static_cast<float>(cell.y - (corner >> 1 & 1)),
+                                        static_cast<float>(cell.z - (corner >> 2))));
+    range.low = smaller(range.low, v);
+    range.high = larger(range.high, v);
+  }
+  return range;
+}
+
 namespace {
 
 constexpr std::uint32_t kBlock = 128;

@@ -175,6 +175,18 @@ TEST(Variants, OfMoreFeaturesGiveTheSameEstimate) {
       limit);
 }
 
+/// In a medium deep enough that macrocells are crossed voxel by voxel, and without that.
+TEST(Variants, BoundsByTheVoxelChangeNoEstimate) {
+  constexpr Features kPlain = Features{}.with(Feature::kRectangles).with(Feature::kEnvironment);
+  constexpr Features kSteep = kPlain.with(Feature::kSteepExtinction);
+  diaphane::v1::Scene scene = test::skull_scene();
+  scene.mutable_transfer_function()->set_extinction_per_mm(12);
+  const test::Prepared p(test::skull_volume(), scene, {48, 48});
+  ASSERT_EQ(p.scene().features, kSteep);
+  EXPECT_LT(std::abs(test::welch(mean_with<kPlain>(p.view(1)), mean_with<kSteep>(p.view(2)))),
+            test::critical_z(kAlpha));
+}
+
 /// Two lamps picked by power add up to what each gives alone.
 TEST(Lamps, AddUpWhenOneIsPicked) {
   diaphane::v1::Scene scene = test::skull_scene();

@@ -91,12 +91,29 @@ Case peak(double scale) {
   return {"peak", std::move(p), Ray{{-5, 4, 4}, {1, 0, 0}}, scale * depth};
 }
 
+/// One dense layer, two voxels thick at half its height, in a clear volume: a triangle in the
+/// extinction.
+Case spike(double scale) {
+  diaphane::v1::TransferFunction f;
+  test::add_channel(f, {{900, 0}, {1000, 1}});
+  f.set_extinction_per_mm(scale);
+  test::Prepared p(test::make_volume({9, 9, 32}, {1, 1, 1},
+                                     [](double, double, double z) {
+                                       return static_cast<int>(z) == 13 ? 1000 : 0;
+                                     }),
+                   scene_with(f));
+  // Above 900 within a tenth of a voxel on either side of the layer's centre.
+  return {"spike", std::move(p), Ray{{4.3f, 4.1f, -2}, {0, 0, 1}}, scale * 0.1};
+}
+
 Span inside(const Case& c) {
   return clip(c.ray, c.prepared.view().grid.occupied, Span{0.0f, 3.4e38f});
 }
 
+template <bool kSteep = false>
 bool escapes(const SceneView<LinearVolume>& view, const Ray& ray, Span span, Random& random) {
-  return !track(ray, span, view.grid, Medium<LinearVolume>{view.volume, view.transfer}, random)
+  return !track<kSteep>(ray, span, view.grid, Medium<LinearVolume>{view.volume, view.transfer},
+                        random)
               .found;
 }
 
@@ -210,6 +227,55 @@ TEST(DeltaTracking, HoldsUnderAMajorantAMillionTimesTooLarge) {
   }
   const double p = std::exp(-c.optical_depth);
   EXPECT_NEAR(through, kRays * p, test::critical_z(kAlpha) * std::sqrt(kRays * p * (1 - p)) + 1);
+}
+
+/// The same laws where each macrocell is crossed voxel by voxel.
+TEST(SteepTracking, LetsThroughWhatBeerAndLambertSay) {
+  std::vector<Case> all;
+  for (double scale : {6.0, 20.0}) {
+    all.push_back(spike(scale));
+  }
+  const double limit = test::critical_z(test::sidak(kAlpha, 2 * all.size()));
+  for (const Case& c : all) {
+    const SceneView<LinearVolume> view = c.prepared.view();
+    ASSERT_TRUE(c.prepared.scene().transfer->steep) << c.optical_depth;
+    const Span span = inside(c);
+    constexpr std::uint32_t kRays = 200'000;
+    std::uint32_t through = 0;
+    test::Moments moments;
+    for (std::uint32_t i = 0; i < kRays; ++i) {
+      Random random(1, i, 0);
+      through += escapes<true>(view, c.ray, span, random) ? 1 : 0;
+      moments.add(transmittance<true>(c.ray, span, view.grid,
+                                      Medium<LinearVolume>{view.volume, view.transfer}, random));
+    }
+    const double p = std::exp(-c.optical_depth);
+    EXPECT_NEAR(through, kRays * p, limit * std::sqrt(kRays * p * (1 - p)) + 1) << c.optical_depth;
+    EXPECT_NEAR(moments.mean, p, limit * moments.error_of_mean()) << c.optical_depth;
+  }
+}
+
+/// Clear and opaque side by side at a million per mm: work stays bounded.
+TEST(SteepTracking, IsQuickBesideAnOpaqueWall) {
+  diaphane::v1::TransferFunction f;
+  test::add_channel(f, {{500, 0}, {1000, 1}});
+  f.set_extinction_per_mm(1e6);
+  const test::Prepared p(test::make_volume({64, 64, 64}, {1, 1, 1},
+                                           [](double x, double y, double) {
+                                             return static_cast<int>(x) % 8 == 4 || y > 60 ? 1000
+                                                                                           : 0;
+                                           }),
+                         scene_with(f));
+  const auto view = p.view();
+  // Between two walls, four voxels from each, all the way: nothing is met.
+  const Ray ray{{8.5f, -1, 30}, {0, 1, 0}};
+  const Span span = clip(ray, Box{{0, 0, 0}, {64, 59, 64}}, Span{0, 3.4e38f});
+  const Medium<LinearVolume> medium{view.volume, view.transfer};
+  for (std::uint32_t i = 0; i < 10'000; ++i) {
+    Random random(1, i, 0);
+    ASSERT_FALSE(track<true>(ray, span, view.grid, medium, random).found);
+    ASSERT_EQ(transmittance<true>(ray, span, view.grid, medium, random), 1.0f);
+  }
 }
 
 /// One bound for the whole volume in every cell, as if there were no grid, against the bounds of

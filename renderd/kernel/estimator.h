@@ -39,13 +39,14 @@ HOST_DEVICE CameraRay camera_ray(const SceneView<Volume>& scene, float x, float 
 }
 
 /// Transmittance from `place` (voxel indices) along the unit `direction` (mm) for `distance` mm.
-template <typename Volume>
+template <Features F, typename Volume>
 HOST_DEVICE float visibility(const SceneView<Volume>& scene, Float3 place, Float3 direction,
                              float distance, Random& random) {
   const Ray ray{place, direction * scene.inverse_spacing};
   const Span span = clip(ray, scene.grid.occupied, Span{0.0f, distance});
   if (!(span.begin < span.end)) return 1.0f;
-  return transmittance(ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
+  return transmittance<F.has(Feature::kSteepExtinction)>(
+      ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
 }
 
 /// Light that reaches `place` and is scattered towards the camera, over the albedo: next-event
@@ -66,7 +67,7 @@ HOST_DEVICE Float3 direct_light(const SceneView<Volume>& scene, Float3 place, Fl
       if constexpr (F.has(Feature::kAnisotropicPhase)) {
         phase = henyey_greenstein(scene.phase_g, direction, light.direction);
       }
-      const float seen = visibility(scene, place, light.direction, light.distance, random);
+      const float seen = visibility<F>(scene, place, light.direction, light.distance, random);
       sum += light.irradiance * (phase * seen);
     }
   }
@@ -78,7 +79,7 @@ HOST_DEVICE Float3 direct_light(const SceneView<Volume>& scene, Float3 place, Fl
     } else {
       towards = sample_sphere(u.a, u.b);
     }
-    sum += scene.lights.environment * visibility(scene, place, towards, 3.4e38f, random);
+    sum += scene.lights.environment * visibility<F>(scene, place, towards, 3.4e38f, random);
   }
   return sum;
 }
@@ -95,8 +96,8 @@ HOST_DEVICE Sample estimate(const SceneView<Volume>& scene, std::uint32_t x, std
   Sample result{scene.escape, false};
   const Span span = clip(camera.ray, scene.grid.occupied, Span{0.0f, 3.4e38f});
   if (!(span.begin < span.end)) return result;
-  const Collision hit =
-      track(camera.ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
+  const Collision hit = track<F.has(Feature::kSteepExtinction)>(
+      camera.ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
   result.met_matter = hit.met_matter;
   if (!hit.found) return result;
   result.radiance = albedo_at(scene.transfer, hit.value) *

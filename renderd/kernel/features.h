@@ -17,12 +17,14 @@ enum class Feature : std::uint32_t {
   kManyRectangles,    ///< more than one: a light is picked by its power (needs kRectangles)
   kEnvironment,       ///< light from all directions
   kAnisotropicPhase,  ///< Henyey-Greenstein with g other than 0
+  kSteepExtinction,   ///< clear and very dense matter side by side: bounds by the voxel
   kCount
 };
 inline constexpr std::uint32_t kFeatureCount = static_cast<std::uint32_t>(Feature::kCount);
 /// For reports; in the order of Feature.
 inline constexpr const char* kFeatureNames[kFeatureCount] = {
-    "rectangle light", "many rectangle lights", "environment light", "anisotropic phase"};
+    "rectangle light", "many rectangle lights", "environment light", "anisotropic phase",
+    "steep extinction"};
 
 /// A set of features; structural, so that it can be a template argument.
 struct Features {

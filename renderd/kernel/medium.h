@@ -29,6 +29,21 @@ HOST_DEVICE float LinearVolume::at(Float3 p) const {
   return v0 + wz * (v1 - v0);
 }
 
+HOST_DEVICE ValueSpan LinearVolume::corner_range(Int3 cell) const {
+  const std::int32_t x0 = larger(cell.x - 1, 0), x1 = smaller(cell.x, size.x - 1);
+  const std::int32_t y0 = larger(cell.y - 1, 0), y1 = smaller(cell.y, size.y - 1);
+  const std::int32_t z0 = larger(cell.z - 1, 0), z1 = smaller(cell.z, size.z - 1);
+  const std::int64_t rows[4] = {y0 + std::int64_t{size.y} * z0, y1 + std::int64_t{size.y} * z0,
+                                y0 + std::int64_t{size.y} * z1, y1 + std::int64_t{size.y} * z1};
+  std::int16_t low = voxels[size.x * rows[0] + x0], high = low;
+  for (const std::int64_t row : rows) {
+    const std::int16_t a = voxels[size.x * row + x0], b = voxels[size.x * row + x1];
+    low = smaller(low, smaller(a, b));
+    high = larger(high, larger(a, b));
+  }
+  return {static_cast<float>(low), static_cast<float>(high)};
+}
+
 /// A place in the transfer function's tables: between `node` and `node + 1`.
 struct TableSpot {
   std::int32_t node;
@@ -47,6 +62,25 @@ HOST_DEVICE float extinction_at(const TransferView& t, float value) {
   const TableSpot s = table_spot(t, value);
   const float a = t.extinction[s.node];
   return a + s.weight * (t.extinction[s.node + 1] - a);
+}
+
+/// A bound of the extinction over a range of values, per mm: the largest of all nodes around it, by
+/// two overlapping runs of 2^r nodes.
+HOST_DEVICE float largest_extinction(const TransferView& t, ValueSpan values) {
+  const float end = static_cast<float>(t.count - 1);
+  const float low = values.low * t.scale + t.offset - t.margin;
+  const float high = values.high * t.scale + t.offset + t.margin;
+  const std::int32_t first = static_cast<std::int32_t>(smaller(larger(low, 0.0f), end));
+  const std::int32_t last =
+      smaller(static_cast<std::int32_t>(smaller(larger(high, 0.0f), end)) + 1, t.count - 1);
+  std::int32_t row = 0, run = 1;
+  while (2 * run <= last - first + 1) {
+    run *= 2;
+    ++row;
+  }
+  const float* maxima = t.extinction + std::int64_t{t.count} * row;
+  constexpr float kRounding = 1 + 1e-6f;
+  return larger(maxima[first], maxima[last + 1 - run]) * kRounding;
 }
 
 /// Single-scattering albedo. Black where no channel is active.

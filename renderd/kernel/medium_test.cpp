@@ -71,7 +71,7 @@ TEST(LinearVolume, GivesTheVoxelAtItsCentre) {
 TEST(TransferTables, ColourIsTheWeightedMeanAndDoesNotDarkenAtAnEdge) {
   const float extinction[] = {0, 2, 4};
   const Float4 colour[] = {{0, 0, 0, 0}, {0.8f, 0.4f, 0.2f, 1}, {0.8f, 0.4f, 0.2f, 1}};
-  const TransferView t{extinction, colour, 1, -10, 3};  // values 10, 11, 12
+  const TransferView t{extinction, colour, 1, -10, 0, 3};  // values 10, 11, 12
   EXPECT_FLOAT_EQ(extinction_at(t, 10.5f), 1);
   EXPECT_FLOAT_EQ(extinction_at(t, 11.5f), 3);
   EXPECT_FLOAT_EQ(extinction_at(t, -1e6f), 0);

@@ -13,14 +13,23 @@ struct Medium {
   const Volume& volume;
   const TransferView& transfer;
 
-  HOST_DEVICE float value(Float3 index) const { return volume.at(index); }
   HOST_DEVICE float extinction(float value) const { return extinction_at(transfer, value); }
+  /// Bound over a cell between voxel centres (VoxelWalk).
+  HOST_DEVICE float majorant(Int3 cell) const {
+    return largest_extinction(transfer, volume.corner_range(cell));
+  }
 };
 
 /// Where the transmittance estimate starts to play roulette: an optical depth, a ratio. Any value
 /// is unbiased; these were measured to give the least variance times time on the cranium scene.
 inline constexpr float kRouletteDepth = 1.5f;
 inline constexpr float kRouletteRatio = 0.3f;
+
+/// Where clear and opaque matter share a macrocell, tracking under one majorant takes a step for
+/// each unit of optical depth of the *densest* place. Beyond this depth of a cell it is crossed
+/// voxel by voxel, under the bound of each: about a step a voxel, whatever the extinction (kSteep
+/// only).
+inline constexpr float kDeepCell = 16.0f;
 
 struct Collision {
   float distance;  ///< mm along the ray
@@ -29,48 +38,97 @@ struct Collision {
   bool met_matter;  ///< some tentative collision had extinction: the ray meets contents
 };
 
+/// Delta tracking from `begin` to `end` under `majorant` > 0. `pending` is the optical depth of the
+/// majorant to the next tentative collision, on entry and on exit; an optical depth, not a
+/// distance: a step of 1e-6 mm is not lost beside 100 mm.
+template <typename Volume>
+HOST_DEVICE void track_piece(const Ray& ray, Span piece, float majorant,
+                             const Medium<Volume>& medium, Random& random, float& pending,
+                             Collision& hit) {
+  const float depth_of_piece = majorant * (piece.end - piece.begin);
+  const float inverse = 1.0f / majorant;
+  float depth = pending;
+  while (depth < depth_of_piece) {
+    const float t = piece.begin + depth * inverse;
+    const float value = medium.volume.at(ray.at(t));
+    const float extinction = medium.extinction(value);
+    const Random::Pair u = random.unit_and_exponential();
+    hit.met_matter |= extinction > 0.0f;
+    if (u.a * majorant < extinction) {
+      hit.distance = t;
+      hit.value = value;
+      hit.found = true;
+      return;
+    }
+    depth += u.b;
+  }
+  pending = depth - depth_of_piece;
+}
+
 /// The first real collision along `ray` within `span` (inside the grid's box), by delta tracking
 /// through the macrocells (Woodcock 1965; local majorants: Szirmay-Kalos 2011). Unbiased while the
 /// bounds of each cell hold.
-template <typename Volume>
+template <bool kSteep = false, typename Volume>
 HOST_DEVICE Collision track(const Ray& ray, Span span, const GridView& grid,
                             const Medium<Volume>& medium, Random& random) {
   Collision hit{0.0f, 0.0f, false, false};
-  float pending =
-      random.exponential();  // optical depth of the majorant to the next tentative collision
+  float pending = random.exponential();
   CellWalk walk(ray, span, grid);
   do {
     const float majorant = grid.cells[walk.cell()].majorant;
-    if (majorant > 0.0f) {
-      // Optical depth from the cell's border on, not a distance: a step of 1e-6 mm is not lost
-      // beside 100 mm.
-      const float cell_depth = majorant * (walk.end() - walk.begin());
-      const float inverse = 1.0f / majorant;
-      float depth = pending;
-      while (depth < cell_depth) {
-        const float t = walk.begin() + depth * inverse;
-        const float value = medium.value(ray.at(t));
-        const float extinction = medium.extinction(value);
-        const Random::Pair u = random.unit_and_exponential();
-        hit.met_matter |= extinction > 0.0f;
-        if (u.a * majorant < extinction) {
-          hit.distance = t;
-          hit.value = value;
-          hit.found = true;
-          return hit;
-        }
-        depth += u.b;
+    if (!(majorant > 0.0f)) continue;
+    const Span piece{walk.begin(), walk.end()};
+    if constexpr (kSteep) {
+      if (majorant * (piece.end - piece.begin) > kDeepCell) {
+        VoxelWalk voxels(ray, piece, medium.volume.size);
+        do {
+          const float local = medium.majorant(voxels.coordinates());
+          if (!(local > 0.0f)) continue;
+          track_piece(ray, Span{voxels.begin(), voxels.end()}, local, medium, random, pending, hit);
+          if (hit.found) return hit;
+        } while (voxels.advance());
+        continue;
       }
-      pending = depth - cell_depth;
     }
+    track_piece(ray, piece, majorant, medium, random, pending, hit);
+    if (hit.found) return hit;
   } while (walk.advance());
   return hit;
+}
+
+/// Ratio tracking from `begin` to `end` of the extinction above `bounds.minorant`: multiplies
+/// `ratio`; 0 when roulette ended it. `pending` as in track_piece.
+template <typename Volume>
+HOST_DEVICE void dim_by_piece(const Ray& ray, Span piece, CellBounds bounds,
+                              const Medium<Volume>& medium, Random& random, float& pending,
+                              float& ratio) {
+  const float residual = bounds.majorant - bounds.minorant;
+  const float depth_of_piece = residual * (piece.end - piece.begin);
+  float depth = pending;
+  if (depth < depth_of_piece) {
+    const float inverse = 1.0f / residual;
+    do {
+      const float t = piece.begin + depth * inverse;
+      const float extinction = medium.extinction(medium.volume.at(ray.at(t)));
+      const Random::Pair u = random.unit_and_exponential();
+      ratio *= larger((bounds.majorant - extinction) * inverse, 0.0f);
+      if (ratio < kRouletteRatio) {
+        if (u.a * kRouletteRatio >= ratio) {
+          ratio = 0.0f;
+          return;
+        }
+        ratio = kRouletteRatio;
+      }
+      depth += u.b;
+    } while (depth < depth_of_piece);
+  }
+  pending = depth - depth_of_piece;
 }
 
 /// An unbiased estimate of the transmittance along `ray` over `span`, by residual ratio tracking
 /// (Novak et al. 2014): the minorant of each cell is taken exactly, the rest by ratio tracking;
 /// what is nearly dark ends by roulette.
-template <typename Volume>
+template <bool kSteep = false, typename Volume>
 HOST_DEVICE float transmittance(const Ray& ray, Span span, const GridView& grid,
                                 const Medium<Volume>& medium, Random& random) {
   float ratio = 1.0f;
@@ -79,34 +137,30 @@ HOST_DEVICE float transmittance(const Ray& ray, Span span, const GridView& grid,
   CellWalk walk(ray, span, grid);
   do {
     const CellBounds bounds = grid.cells[walk.cell()];
-    if (bounds.majorant > 0.0f) {
-      const float length = walk.end() - walk.begin();
-      control += bounds.minorant * length;
-      // Survives the exact part with probability exp(-control): an analog end where little is left
-      // anyway.
-      if (control > kRouletteDepth) {
-        if (random.exponential() < control) return 0.0f;
-        control = 0.0f;
-      }
-      const float residual = bounds.majorant - bounds.minorant;
-      const float cell_depth = residual * length;
-      float depth = pending;
-      if (depth < cell_depth) {
-        const float inverse = 1.0f / residual;
-        do {
-          const float t = walk.begin() + depth * inverse;
-          const float extinction = medium.extinction(medium.value(ray.at(t)));
-          const Random::Pair u = random.unit_and_exponential();
-          ratio *= larger((bounds.majorant - extinction) * inverse, 0.0f);
-          if (ratio < kRouletteRatio) {
-            if (u.a * kRouletteRatio >= ratio) return 0.0f;
-            ratio = kRouletteRatio;
-          }
-          depth += u.b;
-        } while (depth < cell_depth);
-      }
-      pending = depth - cell_depth;
+    if (!(bounds.majorant > 0.0f)) continue;
+    const Span piece{walk.begin(), walk.end()};
+    const float length = piece.end - piece.begin;
+    control += bounds.minorant * length;
+    // Survives the exact part with probability exp(-control): an analog end where little is left.
+    if (control > kRouletteDepth) {
+      if (random.exponential() < control) return 0.0f;
+      control = 0.0f;
     }
+    if constexpr (kSteep) {
+      if ((bounds.majorant - bounds.minorant) * length > kDeepCell) {
+        VoxelWalk voxels(ray, piece, medium.volume.size);
+        do {
+          const float local = medium.majorant(voxels.coordinates());
+          if (!(local > bounds.minorant)) continue;
+          dim_by_piece(ray, Span{voxels.begin(), voxels.end()}, CellBounds{bounds.minorant, local},
+                       medium, random, pending, ratio);
+          if (ratio == 0.0f) return 0.0f;
+        } while (voxels.advance());
+        continue;
+      }
+    }
+    dim_by_piece(ray, piece, bounds, medium, random, pending, ratio);
+    if (ratio == 0.0f) return 0.0f;
   } while (walk.advance());
   return ratio * expf(-control);
 }

@@ -18,6 +18,11 @@ namespace diaphane::render {
 inline constexpr int kCellShift = 3;
 inline constexpr int kCellSize = 1 << kCellShift;
 
+/// Voxel values from `low` to `high`.
+struct ValueSpan {
+  float low, high;
+};
+
 /// Trilinear interpolation between voxel centres (index + 1/2), clamped at the edges; int16 voxels,
 /// x fastest, arithmetic in fp32. The reference way to read a volume; an engine may bring its own
 /// type with the same at().
@@ -27,15 +32,20 @@ struct LinearVolume {
 
   /// `p` in voxel indices.
   HOST_DEVICE float at(Float3 p) const;
+  /// Smallest and largest of the eight corners of a cell between voxel centres (VoxelWalk).
+  HOST_DEVICE ValueSpan corner_range(Int3 cell) const;
 };
 
 /// Extinction and colour by value, baked to tables of `count` >= 2 nodes and interpolated linearly.
 struct TransferView {
-  const float* extinction;  ///< per mm
+  /// Per mm; rows of `count` maxima follow: row r (this table is row 0) holds the largest of the
+  /// 2^r nodes from each node on.
+  const float* extinction;
   /// Sum over the channels of opacity times albedo, and in w the sum of opacities: the mean colour
   /// is xyz / w, and both sums interpolate without darkening where a channel begins (thesis 3.1.1).
   const Float4* colour;
   float scale, offset;  ///< node = value * scale + offset
+  float margin;         ///< nodes that rounding may put a value beyond its voxels'
   std::int32_t count;
 };
 
@@ -80,7 +90,7 @@ struct CameraView {
   float near;        ///< mm
 };
 
-/// All that one sample of one pixel depends on. `Volume` has `float at(Float3 index) const`.
+/// All that one sample of one pixel depends on. `Volume` has the members of LinearVolume.
 template <typename Volume>
 struct SceneView {
   Volume volume;

@@ -36,24 +36,33 @@ HOST_DEVICE Span clip(const Ray& ray, const Box& box, Span span) {
   return span;
 }
 
-/// Walks the macrocells along a ray in order (Amanatides and Woo 1987). Cells are counted in
-/// integers and the distance never goes back, so rays through edges and corners, along axes and
-/// from inside all end. A position inside the piece [begin, end) may lie outside the cell by
-/// rounding; the bounds of a cell hold half a voxel beyond it.
-class CellWalk {
+/// Walks the cells of edge `kEdge` of a grid along a ray in order (Amanatides and Woo 1987). Cells
+/// are counted in integers and the distance never goes back, so rays through edges and corners,
+/// along axes and from inside all end. A position inside the piece [begin, end) may lie outside the
+/// cell by rounding. `kCoordinates`: the cell is known by its three indices instead of one.
+template <int kEdge, bool kCoordinates>
+class GridWalk {
  public:
-  HOST_DEVICE CellWalk(const Ray& ray, Span span, const GridView& grid)
-      : begin_(span.begin), last_(span.end) {
+  HOST_DEVICE GridWalk(const Ray& ray, Span span, Int3 size) : begin_(span.begin), last_(span.end) {
     const Float3 p = ray.at(span.begin);
-    const std::int32_t x = start(0, p.x, ray.origin.x, ray.direction.x, grid.size.x, 1);
-    const std::int32_t y = start(1, p.y, ray.origin.y, ray.direction.y, grid.size.y, grid.size.x);
-    const std::int32_t z =
-        start(2, p.z, ray.origin.z, ray.direction.z, grid.size.z, grid.size.x * grid.size.y);
-    cell_ = x + grid.size.x * (y + grid.size.y * z);
+    const std::int32_t x = start(0, p.x, ray.origin.x, ray.direction.x, size.x, 1);
+    const std::int32_t y = start(1, p.y, ray.origin.y, ray.direction.y, size.y, size.x);
+    const std::int32_t z = start(2, p.z, ray.origin.z, ray.direction.z, size.z, size.x * size.y);
+    if constexpr (kCoordinates) {
+      cell_[0] = x;
+      cell_[1] = y;
+      cell_[2] = z;
+    } else {
+      cell_[0] = x + size.x * (y + size.y * z);
+    }
     find_end();
   }
 
-  HOST_DEVICE std::int32_t cell() const { return cell_; }
+  /// x fastest.
+  HOST_DEVICE std::int32_t cell() const { return cell_[0]; }
+  HOST_DEVICE Int3 coordinates() const requires kCoordinates {
+    return {cell_[0], cell_[1], cell_[2]};
+  }
   HOST_DEVICE float begin() const { return begin_; }
   HOST_DEVICE float end() const { return end_; }
 
@@ -75,10 +84,11 @@ class CellWalk {
  private:
   HOST_DEVICE std::int32_t start(int axis, float position, float origin, float direction,
                                  std::int32_t size, std::int32_t stride) {
-    const float scaled = position * (1.0f / kCellSize);
+    const float scaled = position * (1.0f / kEdge);
     // The comparison sends what is below the grid, and NaN, to 0.
     std::int32_t i = scaled > 0.0f ? static_cast<std::int32_t>(smaller(scaled, 1e9f)) : 0;
     i = smaller(i, size - 1);
+    if constexpr (kCoordinates) stride = 1;
     if (direction == 0.0f) {
       next_[axis] = delta_[axis] = 3.4e38f;
       left_[axis] = 1;
@@ -87,15 +97,15 @@ class CellWalk {
     }
     const float inverse = 1.0f / direction;
     const bool up = direction > 0.0f;
-    next_[axis] = (static_cast<float>((i + (up ? 1 : 0)) * kCellSize) - origin) * inverse;
-    delta_[axis] = static_cast<float>(kCellSize) * (up ? inverse : -inverse);
+    next_[axis] = (static_cast<float>((i + (up ? 1 : 0)) * kEdge) - origin) * inverse;
+    delta_[axis] = static_cast<float>(kEdge) * (up ? inverse : -inverse);
     left_[axis] = up ? size - i : i + 1;
     stride_[axis] = up ? stride : -stride;
     return i;
   }
   HOST_DEVICE bool step(int axis) {
     next_[axis] += delta_[axis];
-    cell_ += stride_[axis];
+    cell_[kCoordinates ? axis : 0] += stride_[axis];
     return --left_[axis] > 0;
   }
   HOST_DEVICE void find_end() {
@@ -105,7 +115,24 @@ class CellWalk {
   float begin_, end_, last_;
   float next_[3], delta_[3];
   std::int32_t left_[3], stride_[3];
-  std::int32_t cell_;
+  std::int32_t cell_[kCoordinates ? 3 : 1];
+};
+
+/// Through the macrocells. Their bounds hold half a voxel beyond them, which is more than rounding.
+class CellWalk : public GridWalk<kCellSize, false> {
+ public:
+  HOST_DEVICE CellWalk(const Ray& ray, Span span, const GridView& grid)
+      : GridWalk(ray, span, grid.size) {}
+};
+
+/// Through the cells between voxel centres, in each of which the value is one trilinear polynomial.
+/// Cell (i, j, k) lies below the centre of voxel (i, j, k): its corners are voxels i - 1 and i
+/// along x, and so on, clamped at the edges; i goes from 0 to the number of voxels.
+class VoxelWalk : public GridWalk<1, true> {
+ public:
+  HOST_DEVICE VoxelWalk(const Ray& ray, Span span, Int3 voxels)
+      : GridWalk(Ray{ray.origin + Float3{0.5f, 0.5f, 0.5f}, ray.direction}, span,
+                 voxels + Int3{1, 1, 1}) {}
 };
 
 }  // namespace diaphane::render

@@ -122,7 +122,8 @@ Features features_of(const PreparedScene& s) {
       .with(Feature::kRectangles, !s.rectangles.empty())
       .with(Feature::kManyRectangles, s.rectangles.size() > 1)
       .with(Feature::kEnvironment, sky)
-      .with(Feature::kAnisotropicPhase, s.phase_g != 0);
+      .with(Feature::kAnisotropicPhase, s.phase_g != 0)
+      .with(Feature::kSteepExtinction, s.transfer->steep);
 }
 
 }  // namespace
@@ -149,15 +150,15 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
   out.escape = scene.display().show_environment() ? out.environment
                                                   : colour_of(scene.display().background());
   out.exposure_scale = static_cast<float>(std::exp2(scene.display().exposure()));
-  out.features = features_of(out);
   using google::protobuf::util::MessageDifferencer;
   if (before != nullptr && before_scene != nullptr &&
       MessageDifferencer::Equals(before_scene->transfer_function(), scene.transfer_function())) {
     out.transfer = before->transfer;
   } else {
     out.transfer = std::make_shared<const PreparedTransfer>(
-        prepare_transfer(scene.transfer_function(), grid, size_of(header)));
+        prepare_transfer(scene.transfer_function(), grid, size_of(header), out.spacing));
   }
+  out.features = features_of(out);
   return out;
 }
 

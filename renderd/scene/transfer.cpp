@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
+#include <utility>
+
+#include "renderd/kernel/tracking.h"
 
 namespace diaphane::render {
 namespace {
@@ -51,14 +53,25 @@ double nodes_per_unit(const diaphane::v1::TransferFunction& function, double ran
 /// runs of 2^level nodes, two of which cover any run.
 class TableExtrema {
  public:
-  explicit TableExtrema(std::span<const float> table) : table_(table) {
-    levels_.emplace_back(table.size());
-    for (std::size_t i = 0; i < table.size(); ++i) levels_[0][i] = {table[i], table[i]};
-    for (std::size_t half = 1; 2 * half <= table.size(); half *= 2) {
+  explicit TableExtrema(std::vector<float> table) : table_(std::move(table)) {
+    levels_.emplace_back(table_.size());
+    for (std::size_t i = 0; i < table_.size(); ++i) levels_[0][i] = {table_[i], table_[i]};
+    for (std::size_t half = 1; 2 * half <= table_.size(); half *= 2) {
       const std::vector<CellBounds>& below = levels_.back();
-      std::vector<CellBounds> level(table.size() - 2 * half + 1);
+      std::vector<CellBounds> level(table_.size() - 2 * half + 1);
       for (std::size_t i = 0; i < level.size(); ++i) level[i] = join(below[i], below[i + half]);
       levels_.push_back(std::move(level));
+    }
+  }
+
+  /// Appends the rows of maxima that TransferView::extinction describes; a run that would end
+  /// beyond the table ends with it.
+  void append_maxima(std::vector<float>& rows) const {
+    for (std::size_t level = 1; level < levels_.size(); ++level) {
+      const std::vector<CellBounds>& runs = levels_[level];
+      for (std::size_t i = 0; i < table_.size(); ++i) {
+        rows.push_back(runs[std::min(i, runs.size() - 1)].majorant);
+      }
     }
   }
 
@@ -91,7 +104,7 @@ class TableExtrema {
     return {e, e};
   }
 
-  std::span<const float> table_;
+  std::vector<float> table_;
   std::vector<std::vector<CellBounds>> levels_;
 };
 
@@ -105,20 +118,31 @@ void bake(const diaphane::v1::TransferFunction& function, double minimum, double
   }
 }
 
-void bound_cells(const ValueGrid& grid, double k, PreparedTransfer& out) {
-  const TableExtrema extrema(out.extinction);
-  // What rounding in fp32 can put an interpolated value outside the range of its voxels, in nodes,
-  // and the interpolation in the table outside its nodes, as a factor.
-  const double largest = std::max(std::abs(static_cast<int>(grid.whole.minimum)),
-                                  std::abs(static_cast<int>(grid.whole.maximum)));
-  const double margin = largest * k * 0x1p-21 + 0x1p-10;
+/// What rounding in fp32 can put an interpolated value outside the range of its voxels, in nodes.
+double rounding_margin(const ValueGrid& grid, double k) {
+  const int largest = std::max(std::abs(static_cast<int>(grid.whole.minimum)),
+                               std::abs(static_cast<int>(grid.whole.maximum)));
+  return largest * k * 0x1p-21 + 0x1p-10;
+}
+
+void bound_cells(const ValueGrid& grid, const TableExtrema& extrema, PreparedTransfer& out) {
+  // Interpolation in the table may leave its nodes by rounding.
   constexpr float kUp = 1 + 1e-6f, kDown = 1 - 1e-6f;
+  const double k = out.scale, margin = out.margin;
   for (std::size_t cell = 0; cell < grid.ranges.size(); ++cell) {
     const ValueRange range = grid.ranges[cell];
     const CellBounds b = extrema.over((range.minimum - grid.whole.minimum) * k - margin,
                                       (range.maximum - grid.whole.minimum) * k + margin);
     out.bounds[cell] = {b.minorant * kDown, b.majorant * kUp};
   }
+}
+
+/// Whether some macrocell is so deep between its bounds that a ray may need many steps in it.
+bool is_steep(const PreparedTransfer& t, Float3 spacing) {
+  const float diagonal = kCellSize * length(spacing);
+  return std::any_of(t.bounds.begin(), t.bounds.end(), [diagonal](CellBounds b) {
+    return (b.majorant - b.minorant) * diagonal > 3 * kDeepCell;
+  });
 }
 
 Box occupied_box(const PreparedTransfer& t, Int3 size) {
@@ -158,20 +182,25 @@ Material material_at(const diaphane::v1::TransferFunction& function, double valu
 }
 
 PreparedTransfer prepare_transfer(const diaphane::v1::TransferFunction& function,
-                                  const ValueGrid& grid, Int3 size) {
+                                  const ValueGrid& grid, Int3 size, Float3 spacing) {
   const double minimum = grid.whole.minimum;
   const double range = grid.whole.maximum - minimum;
   const double k = nodes_per_unit(function, range);
   const auto count = static_cast<std::size_t>(std::ceil(range * k)) + 1;
   PreparedTransfer out;
   out.extinction.resize(std::max<std::size_t>(count, 2));
+  out.count = static_cast<std::int32_t>(out.extinction.size());
   out.colour.resize(out.extinction.size());
   out.scale = static_cast<float>(k);
   out.offset = static_cast<float>(-minimum * k);
   out.cells = grid.cells;
   out.bounds.resize(grid.ranges.size());
   bake(function, minimum, k, out);
-  bound_cells(grid, k, out);
+  out.margin = static_cast<float>(rounding_margin(grid, k));
+  const TableExtrema extrema(out.extinction);
+  bound_cells(grid, extrema, out);
+  out.steep = is_steep(out, spacing);
+  extrema.append_maxima(out.extinction);
   out.occupied = occupied_box(out, size);
   return out;
 }

@@ -12,9 +12,11 @@ namespace diaphane::render {
 /// bounds of the extinction in each macrocell. Depends on nothing else of a scene, so a camera edit
 /// reuses it.
 struct PreparedTransfer {
-  std::vector<float> extinction;   ///< TransferView::extinction
-  std::vector<Float4> colour;      ///< TransferView::colour, as long
-  float scale = 0, offset = 0;     ///< TransferView
+  std::vector<float> extinction;  ///< TransferView::extinction, with its maxima
+  std::vector<Float4> colour;     ///< TransferView::colour, `count` long
+  std::int32_t count = 0;         ///< TransferView, and the three below
+  float scale = 0, offset = 0, margin = 0;
+  bool steep = false;              ///< needs Feature::kSteepExtinction
   Int3 cells{};                    ///< GridView::size
   std::vector<CellBounds> bounds;  ///< GridView::cells
   Box occupied{};                  ///< GridView::occupied
@@ -28,12 +30,12 @@ struct Material {
 };
 Material material_at(const diaphane::v1::TransferFunction& function, double value);
 
-/// `function` has passed check_scene; `size` in voxels.
+/// `function` has passed check_scene; `size` in voxels, `spacing` in mm.
 ///
 /// The tables span the volume's values with a node per 2^-k of a value unit: k = 0 for a CT's 12
 /// bits, coarser for wider ranges (8192 nodes), finer where two points of a curve are closer than
 /// two nodes (65536 nodes at most). A jump at a channel's end becomes a ramp one node wide.
 PreparedTransfer prepare_transfer(const diaphane::v1::TransferFunction& function,
-                                  const ValueGrid& grid, Int3 size);
+                                  const ValueGrid& grid, Int3 size, Float3 spacing);
 
 }  // namespace diaphane::render
