@@ -17,6 +17,19 @@ from house.linkrules import PROGRAM, Graph  # noqa: E402
 
 # Ports
 
+def test_a_port_that_another_start_has_chosen_is_taken():
+    import subprocess
+    import sys
+    port = ports.random_free()["edge"]
+    code = f"from house import ports; print(ports.claim({port}), flush=True); input()"
+    with subprocess.Popen([sys.executable, "-c", code], cwd=Path(__file__).parents[2] / "tools", text=True,
+                          stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other:
+        assert other.stdout.readline() == "True\n"
+        assert not ports.claim(port)
+        other.communicate("\n")
+    assert ports.claim(port)
+
+
 def test_free_ports_are_given_as_wanted():
     given, notes = ports.allot(ports.DEFAULTS, free=lambda port: True)
     assert given == ports.DEFAULTS

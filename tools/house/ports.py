@@ -31,6 +31,24 @@ def is_free(port: int) -> bool:
     return True
 
 
+_claims: dict[int, socket.socket] = {}
+
+
+def claim(port: int) -> bool:
+    """No other start of Diaphane on this machine has chosen it: two that look at the same moment both find it free, and
+    one of them would fail later. Held by this process until it ends, however it ends (an abstract Unix address)."""
+    if port in _claims:
+        return True
+    mark = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    try:
+        mark.bind(f"\0diaphane-port-{port}")
+    except OSError:
+        mark.close()
+        return False
+    _claims[port] = mark
+    return True
+
+
 def allot(wanted: dict[str, int], free=is_free) -> tuple[dict[str, int], list[str]]:
     """A port for each name, and what to say of those that were taken."""
     given: dict[str, int] = {}

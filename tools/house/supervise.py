@@ -67,7 +67,7 @@ def _ports(options: UpOptions) -> dict[str, int]:
     ours = {p for e in datadir.read_record(options.data).get("programs", []) if datadir.recorded(e)
             for p in (e.get("port"), e.get("admin_port"))}
     ours |= set(datadir.read_record(options.data).get("ports", {}).values()) if ours else set()
-    given, notes = ports.allot(wanted, lambda port: port in ours or ports.is_free(port))
+    given, notes = ports.allot(wanted, lambda port: (port in ours or ports.is_free(port)) and ports.claim(port))
     for note in notes:
         say(note)
     return given
