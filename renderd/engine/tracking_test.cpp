@@ -110,10 +110,10 @@ Span inside(const Case& c) {
   return clip(c.ray, c.prepared.view().grid.occupied, Span{0.0f, 3.4e38f});
 }
 
-template <bool kSteep = false>
+template <bool Steep = false>
 bool escapes(const SceneView<LinearVolume>& view, const Ray& ray, Span span, Random& random) {
-  return !track<kSteep>(ray, span, view.grid, Medium<LinearVolume>{view.volume, view.transfer},
-                        random)
+  return !track<Steep>(ray, span, view.grid, Medium<LinearVolume>{view.volume, view.transfer},
+                       random)
               .found;
 }
 

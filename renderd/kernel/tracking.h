@@ -27,7 +27,7 @@ inline constexpr float kRouletteRatio = 0.3f;
 
 /// Where clear and opaque matter share a macrocell, tracking under one majorant takes a step for
 /// each unit of optical depth of the *densest* place. Beyond this depth of a cell it is crossed
-/// voxel by voxel, under the bound of each: about a step a voxel, whatever the extinction (kSteep
+/// voxel by voxel, under the bound of each: about a step a voxel, whatever the extinction (Steep
 /// only).
 inline constexpr float kDeepCell = 16.0f;
 
@@ -68,7 +68,7 @@ HOST_DEVICE void track_piece(const Ray& ray, Span piece, float majorant,
 /// The first real collision along `ray` within `span` (inside the grid's box), by delta tracking
 /// through the macrocells (Woodcock 1965; local majorants: Szirmay-Kalos 2011). Unbiased while the
 /// bounds of each cell hold.
-template <bool kSteep = false, typename Volume>
+template <bool Steep = false, typename Volume>
 HOST_DEVICE Collision track(const Ray& ray, Span span, const GridView& grid,
                             const Medium<Volume>& medium, Random& random) {
   Collision hit{0.0f, 0.0f, false, false};
@@ -78,7 +78,7 @@ HOST_DEVICE Collision track(const Ray& ray, Span span, const GridView& grid,
     const float majorant = grid.cells[walk.cell()].majorant;
     if (!(majorant > 0.0f)) continue;
     const Span piece{walk.begin(), walk.end()};
-    if constexpr (kSteep) {
+    if constexpr (Steep) {
       if (majorant * (piece.end - piece.begin) > kDeepCell) {
         VoxelWalk voxels(ray, piece, medium.volume.size);
         do {
@@ -128,7 +128,7 @@ HOST_DEVICE void dim_by_piece(const Ray& ray, Span piece, CellBounds bounds,
 /// An unbiased estimate of the transmittance along `ray` over `span`, by residual ratio tracking
 /// (Novak et al. 2014): the minorant of each cell is taken exactly, the rest by ratio tracking;
 /// what is nearly dark ends by roulette.
-template <bool kSteep = false, typename Volume>
+template <bool Steep = false, typename Volume>
 HOST_DEVICE float transmittance(const Ray& ray, Span span, const GridView& grid,
                                 const Medium<Volume>& medium, Random& random) {
   float ratio = 1.0f;
@@ -146,7 +146,7 @@ HOST_DEVICE float transmittance(const Ray& ray, Span span, const GridView& grid,
       if (random.exponential() < control) return 0.0f;
       control = 0.0f;
     }
-    if constexpr (kSteep) {
+    if constexpr (Steep) {
       if ((bounds.majorant - bounds.minorant) * length > kDeepCell) {
         VoxelWalk voxels(ray, piece, medium.volume.size);
         do {

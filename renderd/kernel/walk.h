@@ -36,11 +36,11 @@ HOST_DEVICE Span clip(const Ray& ray, const Box& box, Span span) {
   return span;
 }
 
-/// Walks the cells of edge `kEdge` of a grid along a ray in order (Amanatides and Woo 1987). Cells
+/// Walks the cells of edge `Edge` of a grid along a ray in order (Amanatides and Woo 1987). Cells
 /// are counted in integers and the distance never goes back, so rays through edges and corners,
 /// along axes and from inside all end. A position inside the piece [begin, end) may lie outside the
-/// cell by rounding. `kCoordinates`: the cell is known by its three indices instead of one.
-template <int kEdge, bool kCoordinates>
+/// cell by rounding. `Coordinates`: the cell is known by its three indices instead of one.
+template <int Edge, bool Coordinates>
 class GridWalk {
  public:
   HOST_DEVICE GridWalk(const Ray& ray, Span span, Int3 size) : begin_(span.begin), last_(span.end) {
@@ -48,7 +48,7 @@ class GridWalk {
     const std::int32_t x = start(0, p.x, ray.origin.x, ray.direction.x, size.x, 1);
     const std::int32_t y = start(1, p.y, ray.origin.y, ray.direction.y, size.y, size.x);
     const std::int32_t z = start(2, p.z, ray.origin.z, ray.direction.z, size.z, size.x * size.y);
-    if constexpr (kCoordinates) {
+    if constexpr (Coordinates) {
       cell_[0] = x;
       cell_[1] = y;
       cell_[2] = z;
@@ -60,7 +60,7 @@ class GridWalk {
 
   /// x fastest.
   HOST_DEVICE std::int32_t cell() const { return cell_[0]; }
-  HOST_DEVICE Int3 coordinates() const requires kCoordinates {
+  HOST_DEVICE Int3 coordinates() const requires Coordinates {
     return {cell_[0], cell_[1], cell_[2]};
   }
   HOST_DEVICE float begin() const { return begin_; }
@@ -84,11 +84,11 @@ class GridWalk {
  private:
   HOST_DEVICE std::int32_t start(int axis, float position, float origin, float direction,
                                  std::int32_t size, std::int32_t stride) {
-    const float scaled = position * (1.0f / kEdge);
+    const float scaled = position * (1.0f / Edge);
     // The comparison sends what is below the grid, and NaN, to 0.
     std::int32_t i = scaled > 0.0f ? static_cast<std::int32_t>(smaller(scaled, 1e9f)) : 0;
     i = smaller(i, size - 1);
-    if constexpr (kCoordinates) stride = 1;
+    if constexpr (Coordinates) stride = 1;
     if (direction == 0.0f) {
       next_[axis] = delta_[axis] = 3.4e38f;
       left_[axis] = 1;
@@ -97,15 +97,15 @@ class GridWalk {
     }
     const float inverse = 1.0f / direction;
     const bool up = direction > 0.0f;
-    next_[axis] = (static_cast<float>((i + (up ? 1 : 0)) * kEdge) - origin) * inverse;
-    delta_[axis] = static_cast<float>(kEdge) * (up ? inverse : -inverse);
+    next_[axis] = (static_cast<float>((i + (up ? 1 : 0)) * Edge) - origin) * inverse;
+    delta_[axis] = static_cast<float>(Edge) * (up ? inverse : -inverse);
     left_[axis] = up ? size - i : i + 1;
     stride_[axis] = up ? stride : -stride;
     return i;
   }
   HOST_DEVICE bool step(int axis) {
     next_[axis] += delta_[axis];
-    cell_[kCoordinates ? axis : 0] += stride_[axis];
+    cell_[Coordinates ? axis : 0] += stride_[axis];
     return --left_[axis] > 0;
   }
   HOST_DEVICE void find_end() {
@@ -115,7 +115,7 @@ class GridWalk {
   float begin_, end_, last_;
   float next_[3], delta_[3];
   std::int32_t left_[3], stride_[3];
-  std::int32_t cell_[kCoordinates ? 3 : 1];
+  std::int32_t cell_[Coordinates ? 3 : 1];
 };
 
 /// Through the macrocells. Their bounds hold half a voxel beyond them, which is more than rounding.
