@@ -105,19 +105,25 @@ void WorkerLink::OnReadDone(bool ok) {
     return;
   }
   std::string message = std::move(*reply_.mutable_server_message());
-  bool more = false, wanted = false;
+  bool wanted = false;
   {
     const std::lock_guard lock(mutex_);
     wanted = !finishing_;
     if (wanted) ++undelivered_;
-    more = reading_ = !wanted || undelivered_ < kMostUndelivered;
   }
+  // Handed over while this read still counts as under way: were delivered() to start the next one
+  // before, its message could overtake this one on another of gRPC's threads.
   if (wanted) {
     if (const auto events = events_.lock()) {
       events->on_link_message(std::move(message));
     } else {
       cancel();
     }
+  }
+  bool more = false;
+  {
+    const std::lock_guard lock(mutex_);
+    more = reading_ = finishing_ || undelivered_ < kMostUndelivered;
   }
   if (more) StartRead(&reply_);
 }
