@@ -107,6 +107,7 @@ class StackHouse:
 
     def __init__(self) -> None:
         self.opened: list[TestStack] = []
+        self.folders_: list[Path] = []
         self.run_as = users.ordinary_user()
         self.copies_ = Path(tempfile.mkdtemp(prefix="diaphane-copy-"))
         self.copies_.chmod(0o755)
@@ -115,6 +116,7 @@ class StackHouse:
     def folder(self) -> Path:
         """An empty directory that the ordinary user owns and can reach (pytest's tmp_path is closed to it)."""
         made = Path(tempfile.mkdtemp(prefix="diaphane-test-"))
+        self.folders_.append(made)
         self.run_as.own(made)
         return made
 
@@ -146,6 +148,8 @@ class StackHouse:
     def close(self) -> None:
         for running in list(self.opened):
             self.shut(running)
+        for folder in [] if os.environ.get("DIAPHANE_KEEP") else self.folders_:
+            shutil.rmtree(folder, ignore_errors=True)
         shutil.rmtree(self.copies_, ignore_errors=True)
 
 
