@@ -1,14 +1,18 @@
 #include "common/service/admin_server.h"
 
 #include <CivetServer.h>
+#include <arpa/inet.h>
+#include <netinet/in.h>
 #include <prometheus/counter.h>
 #include <prometheus/gauge.h>
 #include <prometheus/text_serializer.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 namespace diaphane::service {
 namespace {
@@ -34,6 +38,18 @@ class Handler final : public CivetHandler {
  private:
   Answer answer_;
 };
+
+/// Opens a connection and closes it. Whether anybody took it makes no difference.
+void knock(const std::string& address, std::uint16_t port) {
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(port);
+  if (inet_pton(AF_INET, address.c_str(), &to.sin_addr) != 1) return;
+  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (fd < 0) return;
+  connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+  close(fd);
+}
 
 }  // namespace
 
@@ -105,7 +121,20 @@ Result<std::unique_ptr<AdminServer>> AdminServer::start(Options options) {
 
 AdminServer::AdminServer(std::unique_ptr<Impl> impl)
     : impl_(std::move(impl)), registry_(impl_->registry) {}
-AdminServer::~AdminServer() = default;
+
+AdminServer::~AdminServer() {
+  // civetweb's listening thread looks only every 2 s whether it should end, a constant of that
+  // library; a connection makes it look at once. Repeated, because the first may come before it is
+  // told to end.
+  const std::jthread waker([this](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      knock(impl_->options.address, impl_->options.port);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  });
+  impl_->server->close();
+}
+
 void AdminServer::set_draining() { impl_->draining = true; }
 
 }  // namespace diaphane::service

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 
 namespace diaphane::service {
 namespace {
@@ -69,6 +70,20 @@ TEST(AdminServer, APortInUseIsAnErrorNotACrash) {
   auto b = AdminServer::start(std::move(second));
   ASSERT_FALSE(b.has_value());
   EXPECT_EQ(b.error().code, ErrorCode::kUnavailable);
+}
+
+TEST(AdminServer, StopsWithoutWaitingForALook) {
+  AdminServer::Options options;
+  options.port = free_port();
+  const std::uint16_t port = options.port;
+  auto server = AdminServer::start(std::move(options));
+  ASSERT_TRUE(server.has_value());
+  ASSERT_NE(get(port, "/healthz").find("200 OK"), std::string::npos);
+  const auto before = std::chrono::steady_clock::now();
+  server->reset();
+  // The library alone takes up to 2 s, 1.9 and more right after a request.
+  EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(1));
+  EXPECT_EQ(get(port, "/healthz"), "");
 }
 
 }  // namespace
