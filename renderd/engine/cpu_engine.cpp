@@ -124,12 +124,12 @@ class CpuFrameRenderer final : public FrameRenderer {
     const PreparedScene& s = picture_->prepared;
     const PreparedTransfer& t = *s.transfer;
     const CpuScene view = view_of(s, volume_->view(), t.extinction.data(), t.colour.data(),
-                                  t.bounds.data(), s.rectangles.data(), seed_);
+                                  t.bounds.data(), s.lights.data(), seed_, first_sample_);
     const CpuKernel kernel = cpu_kernel(s.features);
     const Canvas size = s.canvas;
     const std::uint32_t tiles_x = (size.width + kWorkTile - 1) / kWorkTile;
     const std::uint32_t tiles_y = (size.height + kWorkTile - 1) / kWorkTile;
-    const std::uint64_t sample = first_sample_ + picture_->film.count();
+    const std::uint64_t sample = picture_->film.count();
     Sample* samples = picture_->film.samples();
     return pool_->run(
         tiles_x * tiles_y,

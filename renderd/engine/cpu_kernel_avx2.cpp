@@ -2,6 +2,6 @@
 
 namespace diaphane::render {
 
-CpuKernel cpu_kernel_avx2(Features features) { return kKernels[features]; }
+CpuKernel cpu_kernel_avx2(Features features) { return variant(features); }
 
 }  // namespace diaphane::render

@@ -29,12 +29,11 @@ struct TextureVolume {
 
 /// A part of one batch of samples: a stripe of rows.
 struct Stripe {
-  std::uint32_t first_row;     ///< a multiple of kStripeRows
-  std::uint32_t rows;          ///< to be traced; the last ones may lie below the picture
-  std::uint64_t first_sample;  ///< of the random stream
-  std::uint64_t film_sample;   ///< since the film was cleared: its parity chooses the half
-  std::uint32_t samples;       ///< per pixel
-  std::uint32_t lane_shift;    ///< 2^lane_shift threads share a pixel's samples
+  std::uint32_t first_row;    ///< a multiple of kStripeRows
+  std::uint32_t rows;         ///< to be traced; the last ones may lie below the picture
+  std::uint64_t film_sample;  ///< since the film was cleared: its parity chooses the half
+  std::uint32_t samples;      ///< per pixel
+  std::uint32_t lane_shift;   ///< 2^lane_shift threads share a pixel's samples
 };
 inline constexpr std::uint32_t kStripeRows = 8;
 inline constexpr std::uint32_t kMostLaneShift = 5;  ///< a warp

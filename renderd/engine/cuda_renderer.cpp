@@ -44,7 +44,7 @@ Result<CudaRenderer::Tables> CudaRenderer::grown_tables(const PreparedScene& pre
   DIAPHANE_TRY(grow(larger.extinction, tables_.extinction, transfer.extinction.size()));
   DIAPHANE_TRY(grow(larger.colour, tables_.colour, transfer.colour.size()));
   DIAPHANE_TRY(grow(larger.bounds, tables_.bounds, transfer.bounds.size()));
-  DIAPHANE_TRY(grow(larger.rectangles, tables_.rectangles, prepared.rectangles.size()));
+  DIAPHANE_TRY(grow(larger.lights, tables_.lights, prepared.lights.size()));
   return larger;
 }
 
@@ -58,7 +58,7 @@ Result<void> CudaRenderer::upload_tables(const PreparedScene& prepared) {
     DIAPHANE_TRY(upload(tables_.colour, transfer.colour.data(), transfer.colour.size(), stream));
     DIAPHANE_TRY(upload(tables_.bounds, transfer.bounds.data(), transfer.bounds.size(), stream));
   }
-  return upload(tables_.rectangles, prepared.rectangles.data(), prepared.rectangles.size(), stream);
+  return upload(tables_.lights, prepared.lights.data(), prepared.lights.size(), stream);
 }
 
 Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas canvas) {
@@ -79,7 +79,7 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   adopt(tables_.extinction, std::move(larger->extinction));
   adopt(tables_.colour, std::move(larger->colour));
   adopt(tables_.bounds, std::move(larger->bounds));
-  adopt(tables_.rectangles, std::move(larger->rectangles));
+  adopt(tables_.lights, std::move(larger->lights));
   if (film) film_ = std::move(film);
   DIAPHANE_TRY(upload_tables(*prepared));
   DIAPHANE_TRY(film_->clear(stream_.get()));
@@ -112,7 +112,7 @@ Result<bool> CudaRenderer::trace_pending(const std::function<bool()>& stop, Flig
   const Canvas canvas = film_->canvas();
   const SceneView<TextureVolume> view =
       view_of(prepared_, volume_->view(), tables_.extinction.data(), tables_.colour.data(),
-              tables_.bounds.data(), tables_.rectangles.data(), seed_);
+              tables_.bounds.data(), tables_.lights.data(), seed_, first_sample_);
   while (pending_.next_row < canvas.height) {
     if (stop()) return false;
     const std::uint32_t rows =
@@ -120,7 +120,6 @@ Result<bool> CudaRenderer::trace_pending(const std::function<bool()>& stop, Flig
                 canvas.height - pending_.next_row);
     const Stripe stripe{.first_row = pending_.next_row,
                         .rows = rows,
-                        .first_sample = first_sample_ + film_->samples(),
                         .film_sample = film_->samples(),
                         .samples = pending_.samples,
                         .lane_shift = lane_shift_for(pending_.samples, kMostLaneShift)};

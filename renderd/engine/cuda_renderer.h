@@ -41,7 +41,7 @@ class CudaRenderer : public FrameRenderer {
     DeviceBuffer<float> extinction;
     DeviceBuffer<Float4> colour;
     DeviceBuffer<CellBounds> bounds;
-    DeviceBuffer<RectangleLight> rectangles;
+    DeviceBuffer<AreaLight> lights;
   };
   /// A batch of which some rows are traced. It goes on in the next call when `stop` ended this one.
   struct Pending {

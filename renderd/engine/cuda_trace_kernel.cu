@@ -1,5 +1,8 @@
+#include <utility>
+
 #include "renderd/engine/cuda_kernels.h"
 #include "renderd/kernel/estimator.h"
+#include "renderd/kernel/variants.h"
 
 namespace diaphane::render::cuda {
 
@@ -88,7 +91,7 @@ __global__ void __launch_bounds__(kBlock, kBlocks)
   PixelBatch batch;
   if (inside) {
     for (std::uint32_t s = lane; s < stripe.samples; s += lanes) {
-      const Sample sample = estimate<Features{Bits}>(scene, x, y, stripe.first_sample + s);
+      const Sample sample = estimate<Features{Bits}>(scene, x, y, stripe.film_sample + s);
       batch.add(sample.radiance, sample.met_matter, stripe.film_sample + s);
     }
   }
@@ -98,16 +101,13 @@ __global__ void __launch_bounds__(kBlock, kBlocks)
 
 using TraceKernel = void (*)(SceneView<TextureVolume>, Stripe, PixelBatch*);
 
-struct MakeVariant {
-  template <Features F>
-  constexpr TraceKernel operator()() const {
-    return &trace_kernel<F.bits>;
-  }
-};
-
-const VariantTable<TraceKernel, MakeVariant>& variants() {
-  static const VariantTable<TraceKernel, MakeVariant> table(MakeVariant{});
-  return table;
+template <std::size_t... I>
+TraceKernel variant(std::size_t index, std::index_sequence<I...>) {
+  static const TraceKernel table[] = {&trace_kernel<kVariants[I].bits>...};
+  return table[index];
+}
+TraceKernel variant(Features needed) {
+  return variant(variant_for(needed), std::make_index_sequence<kVariantCount>{});
 }
 
 }  // namespace
@@ -118,14 +118,13 @@ cudaError_t trace(Features features, const SceneView<TextureVolume>& scene, cons
   const std::uint32_t rows = smaller(stripe.rows, scene.height - stripe.first_row);
   const dim3 grid((scene.width + tile.width - 1) / tile.width,
                   (rows + tile.height - 1) / tile.height);
-  variants()[features]<<<grid, kBlock, 0, stream>>>(scene, stripe, batch);
+  variant(features)<<<grid, kBlock, 0, stream>>>(scene, stripe, batch);
   return cudaGetLastError();
 }
 
 cudaError_t probe() {
   cudaFuncAttributes attributes{};
-  return cudaFuncGetAttributes(&attributes,
-                               reinterpret_cast<const void*>(variants()[kAllFeatures]));
+  return cudaFuncGetAttributes(&attributes, reinterpret_cast<const void*>(variant(kAllFeatures)));
 }
 
 }  // namespace diaphane::render::cuda

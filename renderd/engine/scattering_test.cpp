@@ -118,8 +118,8 @@ TEST(Lamp, SingleScatteringIsItsExactIntegral) {
     test::Moments moments;
     for (std::uint64_t i = 0; i < 400'000; ++i) {
       moments.add(
-          g == 0 ? estimate<Features{}.with(Feature::kRectangles)>(view, 0, 0, i).radiance.x
-                 : estimate<Features{}.with(Feature::kRectangles).with(Feature::kAnisotropicPhase)>(
+          g == 0 ? estimate<Features{}.with(Feature::kAreaLights)>(view, 0, 0, i).radiance.x
+                 : estimate<Features{}.with(Feature::kAreaLights).with(Feature::kAnisotropicPhase)>(
                        view, 0, 0, i)
                        .radiance.x);
     }
@@ -162,13 +162,13 @@ test::Moments mean_with(const SceneView<LinearVolume>& view) {
 }
 
 TEST(Variants, OfMoreFeaturesGiveTheSameEstimate) {
-  constexpr Features kLean = Features{}.with(Feature::kRectangles).with(Feature::kEnvironment);
+  constexpr Features kLean = Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment);
   const test::Prepared p(test::skull_volume(), test::skull_scene(), {48, 48});
   ASSERT_EQ(p.scene().features, kLean);
   const test::Moments lean = mean_with<kLean>(p.view(1));
   const double limit = test::critical_z(test::sidak(kAlpha, 3));
   EXPECT_LT(std::abs(test::welch(lean, mean_with<kAllFeatures>(p.view(2)))), limit);
-  EXPECT_LT(std::abs(test::welch(lean, mean_with<kLean.with(Feature::kManyRectangles)>(p.view(3)))),
+  EXPECT_LT(std::abs(test::welch(lean, mean_with<kLean.with(Feature::kManyLights)>(p.view(3)))),
             limit);
   EXPECT_LT(
       std::abs(test::welch(lean, mean_with<kLean.with(Feature::kAnisotropicPhase)>(p.view(4)))),
@@ -177,7 +177,7 @@ TEST(Variants, OfMoreFeaturesGiveTheSameEstimate) {
 
 /// In a medium deep enough that macrocells are crossed voxel by voxel, and without that.
 TEST(Variants, BoundsByTheVoxelChangeNoEstimate) {
-  constexpr Features kPlain = Features{}.with(Feature::kRectangles).with(Feature::kEnvironment);
+  constexpr Features kPlain = Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment);
   constexpr Features kSteep = kPlain.with(Feature::kSteepExtinction);
   diaphane::v1::Scene scene = test::skull_scene();
   scene.mutable_transfer_function()->set_extinction_per_mm(12);
@@ -197,12 +197,11 @@ TEST(Lamps, AddUpWhenOneIsPicked) {
   test::add_lamp(two, 50, 0, 40, 10, 100);
   *both.add_lights() = one.lights(0);
   *both.add_lights() = two.lights(0);
-  static constexpr Features kOne = Features{}.with(Feature::kRectangles);
+  static constexpr Features kOne = Features{}.with(Feature::kAreaLights);
   const auto mean = [](const diaphane::v1::Scene& s, std::uint64_t seed) {
     const test::Prepared p(test::skull_volume(), s, {48, 48});
-    return p.scene().rectangles.size() > 1
-               ? mean_with<kOne.with(Feature::kManyRectangles)>(p.view(seed))
-               : mean_with<kOne>(p.view(seed));
+    return p.scene().lights.size() > 1 ? mean_with<kOne.with(Feature::kManyLights)>(p.view(seed))
+                                       : mean_with<kOne>(p.view(seed));
   };
   const test::Moments a = mean(one, 1), b = mean(two, 2), ab = mean(both, 3);
   const double error = std::sqrt(a.variance() / a.n + b.variance() / b.n + ab.variance() / ab.n);

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <utility>
-
 #include "renderd/math/host_device.h"
 
 namespace diaphane::render {
@@ -13,18 +9,40 @@ namespace diaphane::render {
 /// scene needs gives the same estimate (a test holds that), so a general variant can stand in for
 /// any other.
 enum class Feature : std::uint32_t {
-  kRectangles,        ///< at least one rectangle light
-  kManyRectangles,    ///< more than one: a light is picked by its power (needs kRectangles)
-  kEnvironment,       ///< light from all directions
-  kAnisotropicPhase,  ///< Henyey-Greenstein with g other than 0
-  kSteepExtinction,   ///< clear and very dense matter side by side: bounds by the voxel
+  kAreaLights,           ///< at least one light of finite size
+  kManyLights,           ///< more than one of them: a light is picked by its power
+  kShapedLights,         ///< a disk or a sphere among them
+  kTexturedLights,       ///< a texture on one of them
+  kEnvironment,          ///< light from all directions
+  kTexturedEnvironment,  ///< that differs by direction
+  kAnisotropicPhase,     ///< Henyey-Greenstein with g other than 0
+  kSurfaces,             ///< scattering at surfaces: gradients are fetched
+  kHybrid,               ///< at surfaces or by the phase function, chosen by the gradient
+  kGloss,                ///< surfaces with a specular lobe
+  kEmission,             ///< matter that glows
+  kLens,                 ///< thin lens
+  kOrthographic,         ///< parallel camera rays
+  kClip,                 ///< box and planes cut camera rays
+  kClipLight,            ///< and light
+  kSlices,               ///< cross-sections in the picture
+  kBounces,              ///< paths of more than one collision
+  kSteepExtinction,      ///< clear and very dense matter side by side: bounds by the voxel
+  kGuides,               ///< depth, albedo and normal of what is seen, for the denoiser
   kCount
 };
 inline constexpr std::uint32_t kFeatureCount = static_cast<std::uint32_t>(Feature::kCount);
 /// For reports; in the order of Feature.
 inline constexpr const char* kFeatureNames[kFeatureCount] = {
-    "rectangle light", "many rectangle lights", "environment light", "anisotropic phase",
-    "steep extinction"};
+    "area light",        "many lights",
+    "shaped lights",     "textured lights",
+    "environment",       "textured environment",
+    "anisotropic phase", "surfaces",
+    "hybrid shading",    "gloss",
+    "emission",          "lens",
+    "orthographic",      "clip",
+    "clipped light",     "slices",
+    "bounces",           "steep extinction",
+    "denoiser guides"};
 
 /// A set of features; structural, so that it can be a template argument.
 struct Features {
@@ -36,26 +54,12 @@ struct Features {
   HOST_DEVICE constexpr Features with(Feature f, bool wanted = true) const {
     return wanted ? Features{bits | 1u << static_cast<std::uint32_t>(f)} : *this;
   }
+  HOST_DEVICE constexpr Features without(Feature f) const {
+    return Features{bits & ~(1u << static_cast<std::uint32_t>(f))};
+  }
+  HOST_DEVICE constexpr bool holds(Features other) const { return (other.bits & ~bits) == 0; }
   constexpr bool operator==(const Features&) const = default;
 };
 inline constexpr Features kAllFeatures{(1u << kFeatureCount) - 1};
-inline constexpr std::uint32_t kVariantCount = 1u << kFeatureCount;
-
-/// The one place where a set of features known at run time becomes compile-time:
-/// `make.template operator()<Features>()` gives a variant (a function pointer, say); the table of
-/// all of them is indexed by `Features::bits`.
-template <typename Variant, typename Make>
-struct VariantTable {
-  Variant entries[kVariantCount];
-
-  constexpr explicit VariantTable(Make make)
-      : VariantTable(make, std::make_index_sequence<kVariantCount>{}) {}
-  constexpr Variant operator[](Features f) const { return entries[f.bits]; }
-
- private:
-  template <std::size_t... Bits>
-  constexpr VariantTable(Make make, std::index_sequence<Bits...>)
-      : entries{make.template operator()<Features{static_cast<std::uint32_t>(Bits)}>()...} {}
-};
 
 }  // namespace diaphane::render

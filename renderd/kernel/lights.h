@@ -16,25 +16,24 @@ struct LightSample {
 
 /// The index of the light for `u` in (0, 1); `u` is stretched again to (0, 1) for what comes next.
 /// By bisection: there may be thousands.
-HOST_DEVICE std::uint32_t pick_rectangle(const LightsView& lights, float& u) {
-  std::uint32_t low = 0, high = lights.rectangle_count - 1;
+HOST_DEVICE std::uint32_t pick_light(const LightsView& lights, float& u) {
+  std::uint32_t low = 0, high = lights.count - 1;
   while (low < high) {
     const std::uint32_t middle = (low + high) / 2;
-    if (u < lights.rectangles[middle].cumulative) {
+    if (u < lights.area[middle].cumulative) {
       high = middle;
     } else {
       low = middle + 1;
     }
   }
-  const RectangleLight& light = lights.rectangles[low];
+  const AreaLight& light = lights.area[low];
   u = smaller(larger((u - (light.cumulative - light.probability)) / light.probability, 0.0f),
               0x1.fffffep-1f);
   return low;
 }
 
 /// A point uniform over the light's area. `place` in mm in the volume's frame.
-HOST_DEVICE LightSample sample_rectangle(const RectangleLight& light, Float3 place, float u,
-                                         float v) {
+HOST_DEVICE LightSample sample_light(const AreaLight& light, Float3 place, float u, float v) {
   const Float3 to = light.corner + light.u * u + light.v * v - place;
   const float squared = dot(to, to);
   LightSample s{};

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kAlpha = 1e-3;
 
-RectangleLight rectangle(Float3 corner, Float3 u, Float3 v) {
-  RectangleLight light{};
+AreaLight rectangle(Float3 corner, Float3 u, Float3 v) {
+  AreaLight light{};
   light.corner = corner;
   light.u = u;
   light.v = v;
@@ -29,7 +29,7 @@ RectangleLight rectangle(Float3 corner, Float3 u, Float3 v) {
 
 /// Radiance times the solid angle weighted with nothing: what a point in the open receives from all
 /// of the light, by the midpoint rule in double precision.
-double received(const RectangleLight& light, Double3 place) {
+double received(const AreaLight& light, Double3 place) {
   constexpr int kSteps = 400;
   double sum = 0;
   for (int i = 0; i < kSteps; ++i) {
@@ -44,14 +44,14 @@ double received(const RectangleLight& light, Double3 place) {
 }
 
 TEST(RectangleLight, SamplesAddUpToItsSolidAngle) {
-  const RectangleLight light = rectangle({-10, -20, 50}, {0, 30, 0}, {20, 5, -3});
+  const AreaLight light = rectangle({-10, -20, 50}, {0, 30, 0}, {20, 5, -3});
   const Float3 places[] = {{0, 0, 0}, {60, -40, 10}, {0, 0, 44}, {-100, 100, 20}};
   for (const Float3 place : places) {
     test::Moments moments;
     Random random(1, 2, 3);
     for (int i = 0; i < 300'000; ++i) {
       const Random::Pair u = random.two();
-      const LightSample s = sample_rectangle(light, place, u.a, u.b);
+      const LightSample s = sample_light(light, place, u.a, u.b);
       moments.add(s.lit ? s.irradiance.y : 0);
     }
     const double exact = 3 * received(light, to_double(place));
@@ -61,7 +61,7 @@ TEST(RectangleLight, SamplesAddUpToItsSolidAngle) {
 }
 
 TEST(RectangleLight, PointsAreUniformOverIt) {
-  const RectangleLight light = rectangle({-10, -20, 50}, {0, 30, 0}, {20, 5, -3});
+  const AreaLight light = rectangle({-10, -20, 50}, {0, 30, 0}, {20, 5, -3});
   const Double3 place{3, -4, 5}, u = to_double(light.u), v = to_double(light.v);
   const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), det = uu * vv - uv * uv;
   constexpr int kSide = 10;  // 100 patches
@@ -70,7 +70,7 @@ TEST(RectangleLight, PointsAreUniformOverIt) {
   Random random(4, 5, 6);
   for (int i = 0; i < 1'000'000; ++i) {
     const Random::Pair r = random.two();
-    const LightSample s = sample_rectangle(light, to_float(place), r.a, r.b);
+    const LightSample s = sample_light(light, to_float(place), r.a, r.b);
     ASSERT_TRUE(s.lit);
     const Double3 p = place + to_double(s.direction) * double{s.distance} - to_double(light.corner);
     const int a = patch((dot(p, u) * vv - dot(p, v) * uv) / det);
@@ -81,28 +81,28 @@ TEST(RectangleLight, PointsAreUniformOverIt) {
 }
 
 TEST(RectangleLight, DirectionAndDistanceLeadToIt) {
-  const RectangleLight light = rectangle({-10, -20, 50}, {0, 30, 0}, {20, 5, -3});
-  const LightSample s = sample_rectangle(light, {1, 2, 3}, 0.25f, 0.75f);
+  const AreaLight light = rectangle({-10, -20, 50}, {0, 30, 0}, {20, 5, -3});
+  const LightSample s = sample_light(light, {1, 2, 3}, 0.25f, 0.75f);
   const Float3 reached = Float3{1, 2, 3} + s.direction * s.distance;
   const Float3 point = light.corner + light.u * 0.25f + light.v * 0.75f;
   EXPECT_LT(length(reached - point), 1e-4f);
 }
 
 TEST(RectangleLight, ShinesToOneSideOnly) {
-  const RectangleLight light = rectangle({-10, -10, 50}, {0, 20, 0}, {20, 0, 0});  // downwards
-  EXPECT_TRUE(sample_rectangle(light, {0, 0, 0}, 0.5f, 0.5f).lit);
-  EXPECT_FALSE(sample_rectangle(light, {0, 0, 100}, 0.5f, 0.5f).lit);
-  EXPECT_FALSE(sample_rectangle(light, {500, 0, 50}, 0.5f, 0.5f).lit);  // in its plane
-  EXPECT_FALSE(sample_rectangle(light, {0, 0, 50}, 0.5f, 0.5f).lit);    // on it
+  const AreaLight light = rectangle({-10, -10, 50}, {0, 20, 0}, {20, 0, 0});  // downwards
+  EXPECT_TRUE(sample_light(light, {0, 0, 0}, 0.5f, 0.5f).lit);
+  EXPECT_FALSE(sample_light(light, {0, 0, 100}, 0.5f, 0.5f).lit);
+  EXPECT_FALSE(sample_light(light, {500, 0, 50}, 0.5f, 0.5f).lit);  // in its plane
+  EXPECT_FALSE(sample_light(light, {0, 0, 50}, 0.5f, 0.5f).lit);    // on it
 }
 
 TEST(PickRectangle, FollowsTheProbabilitiesAndLeavesAUniformNumber) {
   const double powers[] = {1, 1000, 1e-3, 40, 0.5, 300, 7};
   double total = 0, sum = 0;
   for (double p : powers) total += p;
-  std::vector<RectangleLight> lights;
+  std::vector<AreaLight> lights;
   for (double p : powers) {
-    RectangleLight light{};
+    AreaLight light{};
     sum += p / total;
     light.probability = static_cast<float>(p / total);
     light.cumulative = static_cast<float>(sum);
@@ -115,7 +115,7 @@ TEST(PickRectangle, FollowsTheProbabilitiesAndLeavesAUniformNumber) {
   Random random(1, 2, 3);
   for (int i = 0; i < kSamples; ++i) {
     float u = random.one();
-    ++picked[pick_rectangle(view, u)];
+    ++picked[pick_light(view, u)];
     ASSERT_GE(u, 0.0f);
     ASSERT_LT(u, 1.0f);
     ++stretched[static_cast<std::size_t>(u * kBins)];

@@ -66,7 +66,7 @@ struct GridView {
 };
 
 /// One-sided: it shines to the side of `normal`.
-struct RectangleLight {
+struct AreaLight {
   Float3 corner, u, v;
   Float3 normal;  ///< unit, cross(u, v)
   float area;     ///< mm^2
@@ -76,9 +76,9 @@ struct RectangleLight {
 };
 
 struct LightsView {
-  const RectangleLight* rectangles;
-  std::uint32_t rectangle_count;
-  Float3 environment;  ///< sum of all environment lights' radiance
+  const AreaLight* area;
+  std::uint32_t count;  ///< of `area`
+  Float3 environment;   ///< sum of all environment lights' radiance
 };
 
 /// Pinhole. A ray begins at depth `near` along the view axis, just before the box, not at the eye:
@@ -104,6 +104,9 @@ struct SceneView {
   Float3 escape;  ///< radiance of a camera ray that leaves the volume
   std::uint32_t width, height;
   std::uint64_t seed;
+  std::uint64_t first_sample;  ///< of the random stream: keeps the samples of devices apart
+  std::uint64_t stream;        ///< of the low-discrepancy points: a hash of the two above
+  bool independent_points;     ///< take none of those, for comparison
 };
 
 }  // namespace diaphane::render

@@ -103,6 +103,10 @@ Complaint check(const diaphane::v1::Light& light, const std::string& field) {
     case diaphane::v1::Light::kEnvironment:
       return check(light.environment().radiance(), kBrightest, field + ".environment.radiance",
                    "must be from 0 to 1e15");
+    case diaphane::v1::Light::kDisk:
+    case diaphane::v1::Light::kSphere:
+    case diaphane::v1::Light::kBox:
+      return complain(field, "is of a shape that is not rendered yet");
     case diaphane::v1::Light::SHAPE_NOT_SET:
       break;
   }

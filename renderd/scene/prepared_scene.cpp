@@ -66,12 +66,12 @@ CameraView camera_view(const diaphane::v1::Camera& camera, const CameraAxes& axe
   return view;
 }
 
-double power_of(const RectangleLight& light) {
+double power_of(const AreaLight& light) {
   return static_cast<double>(light.area) * (light.radiance.x + light.radiance.y + light.radiance.z);
 }
 
-RectangleLight rectangle_of(const diaphane::v1::Light& light, const CameraAxes& axes,
-                            Double3 target, const WorldToFrame& frame) {
+AreaLight rectangle_of(const diaphane::v1::Light& light, const CameraAxes& axes, Double3 target,
+                       const WorldToFrame& frame) {
   const auto& r = light.rectangle();
   Double3 corner = vector_of(r.corner()), u = vector_of(r.u()), v = vector_of(r.v());
   if (light.camera_locked()) {
@@ -82,7 +82,7 @@ RectangleLight rectangle_of(const diaphane::v1::Light& light, const CameraAxes& 
   u = frame.direction(u);
   v = frame.direction(v);
   const Double3 normal = cross(u, v);
-  RectangleLight out{};
+  AreaLight out{};
   out.corner = to_float(frame.point(corner));
   out.u = to_float(u);
   out.v = to_float(v);
@@ -100,27 +100,27 @@ void prepare_lights(const diaphane::v1::Scene& scene, const CameraAxes& axes,
     if (light.has_environment()) {
       out.environment += colour_of(light.environment().radiance());
     } else {
-      const RectangleLight r = rectangle_of(light, axes, vector_of(scene.camera().target()), frame);
+      const AreaLight r = rectangle_of(light, axes, vector_of(scene.camera().target()), frame);
       if (power_of(r) > 0) {
-        out.rectangles.push_back(r);
+        out.lights.push_back(r);
         total += power_of(r);
       }
     }
   }
   double sum = 0;
-  for (RectangleLight& light : out.rectangles) {
+  for (AreaLight& light : out.lights) {
     light.probability = static_cast<float>(power_of(light) / total);
     sum += power_of(light) / total;
     light.cumulative = static_cast<float>(sum);
   }
-  if (!out.rectangles.empty()) out.rectangles.back().cumulative = 1.0f;
+  if (!out.lights.empty()) out.lights.back().cumulative = 1.0f;
 }
 
 Features features_of(const PreparedScene& s) {
   const bool sky = s.environment.x > 0 || s.environment.y > 0 || s.environment.z > 0;
   return Features{}
-      .with(Feature::kRectangles, !s.rectangles.empty())
-      .with(Feature::kManyRectangles, s.rectangles.size() > 1)
+      .with(Feature::kAreaLights, !s.lights.empty())
+      .with(Feature::kManyLights, s.lights.size() > 1)
       .with(Feature::kEnvironment, sky)
       .with(Feature::kAnisotropicPhase, s.phase_g != 0)
       .with(Feature::kSteepExtinction, s.transfer->steep);

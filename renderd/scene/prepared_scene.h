@@ -9,6 +9,7 @@
 #include "renderd/film/canvas.h"
 #include "renderd/kernel/features.h"
 #include "renderd/kernel/views.h"
+#include "renderd/math/random.h"
 #include "renderd/scene/grid.h"
 #include "renderd/scene/transfer.h"
 #include "volume/volume.h"
@@ -22,13 +23,14 @@ struct PreparedScene {
   /// Shared with the scene before when the transfer function is the same: the same pointer, nothing
   /// to upload.
   std::shared_ptr<const PreparedTransfer> transfer;
-  std::vector<RectangleLight> rectangles;
+  std::vector<AreaLight> lights;
   Float3 environment{};
   CameraView camera{};
   float phase_g = 0;
   Float3 escape{};
   Canvas canvas;
-  Float3 spacing{};          ///< mm
+  Float3 spacing{};  ///< mm
+  bool independent_points = false;
   float exposure_scale = 1;  ///< 2^exposure: what the display multiplies radiance by
 };
 
@@ -42,8 +44,8 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
 /// The view of a prepared scene over an executor's copies of its arrays.
 template <typename Volume>
 SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, const float* extinction,
-                          const Float4* colour, const CellBounds* bounds,
-                          const RectangleLight* rectangles, std::uint64_t seed) {
+                          const Float4* colour, const CellBounds* bounds, const AreaLight* lights,
+                          std::uint64_t seed, std::uint64_t first_sample = 0) {
   const PreparedTransfer& t = *scene.transfer;
   const Float3 s = scene.spacing;
   return SceneView<Volume>{
@@ -52,14 +54,16 @@ SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, cons
       .spacing = s,
       .transfer = {extinction, colour, t.scale, t.offset, t.margin, t.count},
       .grid = {bounds, t.cells, t.occupied},
-      .lights = {rectangles, static_cast<std::uint32_t>(scene.rectangles.size()),
-                 scene.environment},
+      .lights = {lights, static_cast<std::uint32_t>(scene.lights.size()), scene.environment},
       .camera = scene.camera,
       .phase_g = scene.phase_g,
       .escape = scene.escape,
       .width = scene.canvas.width,
       .height = scene.canvas.height,
-      .seed = seed};
+      .seed = seed,
+      .first_sample = first_sample,
+      .stream = mix64(seed + mix64(first_sample)),
+      .independent_points = scene.independent_points};
 }
 
 }  // namespace diaphane::render

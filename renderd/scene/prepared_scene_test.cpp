@@ -53,7 +53,7 @@ TEST(PreparedScene, TheMiddleOfThePictureLooksAtTheTarget) {
     diaphane::v1::Scene scene = test::skull_scene();
     test::set_camera(scene, 0.6 * distance, -0.7 * distance, 0.3 * distance, 2000 / distance);
     const test::Prepared p(volume_of(turned_header()), scene, {64, 48});
-    const CameraRay r = camera_ray(p.view(), 32, 24);
+    const CameraRay r = camera_ray<Features{}>(p.view(), 32, 24);
     const Float3 middle{20, 15, 10};
     const Float3 to = middle - r.ray.origin;
     const float along = dot(to, r.ray.direction) / dot(r.ray.direction, r.ray.direction);
@@ -69,9 +69,9 @@ TEST(PreparedScene, RightIsRightAndUpIsUpInAnyVolume) {
   test::set_camera(scene, 0, -300, 0, 30);
   const test::Prepared p(volume_of(turned_header()), scene, {64, 64});
   const auto view = p.view();
-  const Float3 middle = camera_ray(view, 32, 32).direction;
-  const Float3 right = camera_ray(view, 60, 32).direction - middle;
-  const Float3 up = camera_ray(view, 32, 4).direction - middle;
+  const Float3 middle = camera_ray<Features{}>(view, 32, 32).direction;
+  const Float3 right = camera_ray<Features{}>(view, 60, 32).direction - middle;
+  const Float3 up = camera_ray<Features{}>(view, 32, 4).direction - middle;
   // The volume's y axis points to the patient's left, its x axis to the head.
   EXPECT_GT(right.y, 0.05f);
   EXPECT_NEAR(right.x, 0, 1e-5f);
@@ -87,7 +87,7 @@ TEST(PreparedScene, ALockedLightStaysBesideTheCamera) {
   const auto seen_from = [&](double x, double y, double z) {
     test::set_camera(scene, x, y, z, 30);
     const test::Prepared p(volume_of(turned_header()), scene);
-    const RectangleLight& light = p.scene().rectangles.at(0);
+    const AreaLight& light = p.scene().lights.at(0);
     const CameraView& c = p.scene().camera;
     const Float3 from_middle = light.corner - Float3{20, 22.5f, 20};  // the box's centre, mm
     return Float3{dot(from_middle, normalize(c.right)), dot(from_middle, normalize(c.up)),
@@ -103,11 +103,11 @@ TEST(PreparedScene, LeavesOutWhatTheSceneDoesNotNeed) {
   const auto features = [&] {
     return test::Prepared(test::skull_volume(), scene).scene().features;
   };
-  EXPECT_EQ(features(), Features{}.with(Feature::kRectangles).with(Feature::kEnvironment));
+  EXPECT_EQ(features(), Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment));
   test::add_lamp(scene, 0, 0, 90, 10, 0);
-  EXPECT_FALSE(features().has(Feature::kManyRectangles)) << "a black lamp is none";
+  EXPECT_FALSE(features().has(Feature::kManyLights)) << "a black lamp is none";
   test::add_lamp(scene, 0, 0, 90, 10, 1);
-  EXPECT_TRUE(features().has(Feature::kManyRectangles));
+  EXPECT_TRUE(features().has(Feature::kManyLights));
   scene.mutable_phase()->set_g(-0.2);
   EXPECT_TRUE(features().has(Feature::kAnisotropicPhase));
   scene.clear_lights();

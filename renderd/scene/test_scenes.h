@@ -126,7 +126,7 @@ class Prepared {
   SceneView<LinearVolume> view(std::uint64_t seed = 1) const {
     const PreparedTransfer& t = *scene_.transfer;
     return view_of(scene_, LinearVolume{volume_.voxels.data(), size_of(volume_.header)},
-                   t.extinction.data(), t.colour.data(), t.bounds.data(), scene_.rectangles.data(),
+                   t.extinction.data(), t.colour.data(), t.bounds.data(), scene_.lights.data(),
                    seed);
   }
 
