@@ -10,7 +10,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
-from house import contracts, filelint, linkrules, logfiles, packages, plan, ports, testing  # noqa: E402
+from house import contracts, filelint, linkrules, logfiles, packages, plan, ports, testing, venv  # noqa: E402
 from house.layout import Layout  # noqa: E402
 from house.linkrules import PROGRAM, Graph  # noqa: E402
 
@@ -199,3 +199,12 @@ def test_pytest_cases_are_counted_by_their_results():
     cases = ElementTree.fromstring(
         "<s><testcase/><testcase><failure/></testcase><testcase><error/></testcase><testcase><skipped/></testcase></s>")
     assert testing.pytest_count(list(cases)) == testing.Count(1, 2, 1)
+
+
+# Node
+
+@pytest.mark.parametrize("version, enough", [
+    ((0,), False), ((18, 20), False), ((20, 18), False), ((20, 19), True), ((21, 7), False), ((22, 12), False),
+    ((22, 13), True), ((23, 11), False), ((24, 0), True), ((26, 1), True)])
+def test_a_node_is_taken_only_where_the_tools_of_the_page_run_on_it(version: tuple[int, ...], enough: bool):
+    assert venv.new_enough(version) == enough

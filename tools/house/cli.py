@@ -94,8 +94,8 @@ def _up(options: argparse.Namespace, _: list[str]) -> int:
     if options.data is None and os.geteuid() == 0:
         say(f"Started by root: the data directory is {data}, where the user '{users.NAME}' can reach it.")
     install.ensure("up", may_install=not options.no_install)
+    build.build_page()      # before the programs: what is wrong with it shows in the first minute
     build.build_programs()
-    build.build_page()
     chosen = supervise.UpOptions(data=data, engine=options.engine, port=options.port)
     return supervise.detach(chosen) if options.detach else supervise.hold(chosen)
 

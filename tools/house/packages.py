@@ -30,7 +30,8 @@ def missing(names: list[str], query=None) -> list[str]:
 
 def install(names: list[str]) -> None:
     """Installs them, by root or sudo. The services among them are neither started nor enabled."""
-    step(f"Installing {len(names)} Debian packages: {' '.join(names)}")
+    _as_root()      # where it cannot, it says so first
+    step(f"Installing {len(names)} Debian packages (minutes): {' '.join(names)}")
     if not any(Path("/var/lib/apt/lists").glob("*_Packages*")):
         _apt("update")
     with _services_stay_off(names):
@@ -48,8 +49,8 @@ def _as_root() -> list[str]:
     if os.geteuid() == 0:
         return []
     if not shutil.which("sudo"):
-        raise HouseError("Debian packages are missing, and installing them needs root or sudo: "
-                         + " ".join(missing(wanted())))
+        raise HouseError("Debian packages are missing, and there is no sudo to install them with. As root:\n"
+                         "apt-get update && apt-get install --no-install-recommends " + " ".join(missing(wanted())))
     return ["sudo"]
 
 

