@@ -97,7 +97,7 @@ Result<Rendered> render(const Options& options) {
   if (!scene) return tl::make_unexpected(scene.error());
   auto volume = (*engine)->load(*input);
   if (!volume) return tl::make_unexpected(volume.error());
-  auto renderer = (*engine)->renderer(*volume, options.seed, 0);
+  auto renderer = (*engine)->renderer(*volume, options.seed, 0, options.method);
   if (!renderer) return tl::make_unexpected(renderer.error());
   if (auto set = (*renderer)->set_scene(*scene, options.canvas); !set) {
     return tl::make_unexpected(set.error());

@@ -73,6 +73,29 @@ std::string engine_name(const std::string& text) {
   return "auto, cpu or cuda: not '" + text + "'";
 }
 
+/// The words of an option and what each means.
+template <typename T>
+using Words = std::vector<std::pair<std::string, T>>;
+const Words<Walk> kWalks{
+    {"auto", Walk::kAuto}, {"exact", Walk::kExact}, {"tracking", Walk::kTracking}};
+const Words<bool> kPoints{{"low-discrepancy", true}, {"independent", false}};
+const Words<Mis> kMis{{"both", Mis::kBoth}, {"light", Mis::kLight}, {"scatter", Mis::kScatter}};
+
+template <typename T>
+std::function<std::string(const std::string&)> one_of(const Words<T>& words, T& chosen) {
+  return [&](const std::string& text) -> std::string {
+    std::string known;
+    for (const auto& [word, value] : words) {
+      if (word == text) {
+        chosen = value;
+        return {};
+      }
+      known += (known.empty() ? "" : ", ") + word;
+    }
+    return known + ": not '" + text + "'";
+  };
+}
+
 std::string check_picture(const std::string& path) {
   if (auto problem = unwritable_picture(path)) return *problem;
   return {};
@@ -118,6 +141,18 @@ std::variant<Options, Farewell> parse(int argc, const char* const* argv) {
   app.add_option("--seed", options.seed, "of the random numbers, default 1")
       ->type_name("N")
       ->check(whole_number(0, ~std::uint64_t{0}), "");
+  std::string walk, points, mis;
+  app.add_option("--estimator", walk,
+                 "auto, exact or tracking: how collisions and shadows are found; all have the same "
+                 "mean")
+      ->type_name("NAME")
+      ->check(one_of(kWalks, options.method.walk), "");
+  app.add_option("--points", points, "low-discrepancy (default) or independent")
+      ->type_name("NAME")
+      ->check(one_of(kPoints, options.method.low_discrepancy), "");
+  app.add_option("--mis", mis, "direct light from samples of the light, of the scatter or both")
+      ->type_name("NAME")
+      ->check(one_of(kMis, options.method.mis), "");
   app.add_option(
          "--out", options.picture,
          "picture: .png or .ppm (8 bits, tone-mapped) or .exr (linear radiance, 32-bit float)")

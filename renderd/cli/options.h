@@ -28,6 +28,7 @@ struct Options {
   EngineChoice engine = EngineChoice::kAuto;
   unsigned threads = 0;  ///< 0: all cores
   std::uint64_t seed = 1;
+  Method method;
   std::string picture;  ///< .png, .exr or .ppm
   std::string report;   ///< JSON; "-" is standard output; empty: none
   bool quiet = false;

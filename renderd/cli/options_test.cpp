@@ -22,8 +22,10 @@ void expect_refused(const std::vector<const char*>& words, const std::string& be
 
 TEST(RenderOptions, EveryOptionReachesItsPlace) {
   const auto parsed =
-      parse_words({"scan", "--scene", "s.json", "--size", "640x480", "--samples", "7", "--engine",
-                   "cuda", "--threads", "3", "--seed", "9", "--out", "a.ppm", "--json", "-"});
+      parse_words({"scan",     "--scene",  "s.json",      "--size",    "640x480", "--samples",
+                   "7",        "--engine", "cuda",        "--threads", "3",       "--seed",
+                   "9",        "--out",    "a.ppm",       "--json",    "-",       "--estimator",
+                   "tracking", "--points", "independent", "--mis",     "scatter"});
   const auto* options = std::get_if<Options>(&parsed);
   ASSERT_NE(options, nullptr) << std::get<Farewell>(parsed).text;
   EXPECT_EQ(options->input, "scan");
@@ -36,6 +38,7 @@ TEST(RenderOptions, EveryOptionReachesItsPlace) {
   EXPECT_EQ(options->seed, 9u);
   EXPECT_EQ(options->picture, "a.ppm");
   EXPECT_EQ(options->report, "-");
+  EXPECT_EQ(options->method, (Method{Walk::kTracking, false, Mis::kScatter}));
 }
 
 TEST(RenderOptions, MistakesAreRefusedByName) {
@@ -48,6 +51,10 @@ TEST(RenderOptions, MistakesAreRefusedByName) {
   expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--samples", "1e9"}, "--samples");
   expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--seed", "-1"}, "--seed");
   expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--engine", "gpu"}, "--engine");
+  expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--estimator", "euler"},
+                 "--estimator");
+  expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--points", "sobol"}, "--points");
+  expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--mis", "none"}, "--mis");
   expect_refused({"scan", "--preset", "bone", "--out", "a.jpg"}, ".png");
   expect_refused({"scan", "--preset", "bone", "--out", "/no/such/folder/a.ppm"}, "no such folder");
   for (const char* size : {"512", "0x5", "512x", "x512", "512x512x2", "-5x5", "99999x5", "a"}) {
@@ -60,8 +67,9 @@ TEST(RenderOptions, HelpNamesEveryOptionAndExitCode) {
   const auto* farewell = std::get_if<Farewell>(&parsed);
   ASSERT_NE(farewell, nullptr);
   EXPECT_EQ(farewell->exit_code, 0);
-  for (const char* word : {"--scene", "--preset", "--size", "--samples", "--engine", "--threads",
-                           "--seed", "--out", "--json", "--quiet", ".nrrd", "64", "73"}) {
+  for (const char* word :
+       {"--scene", "--preset", "--size", "--samples", "--engine", "--threads", "--seed",
+        "--estimator", "--points", "--mis", "--out", "--json", "--quiet", ".nrrd", "64", "73"}) {
     EXPECT_NE(farewell->text.find(word), std::string::npos) << word;
   }
 }

@@ -55,11 +55,12 @@ struct Picture {
 class CpuFrameRenderer final : public FrameRenderer {
  public:
   CpuFrameRenderer(std::shared_ptr<ThreadPool> pool, std::shared_ptr<const CpuVolume> volume,
-                   std::uint64_t seed, std::uint64_t first_sample)
+                   std::uint64_t seed, std::uint64_t first_sample, Method method)
       : pool_(std::move(pool)),
         volume_(std::move(volume)),
         seed_(seed),
-        first_sample_(first_sample) {}
+        first_sample_(first_sample),
+        method_(method) {}
 
   Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override {
     auto prepared = prepare_scene(scene, canvas, volume_->header(), volume_->grid(),
@@ -124,7 +125,7 @@ class CpuFrameRenderer final : public FrameRenderer {
     const PreparedScene& s = picture_->prepared;
     const PreparedTransfer& t = *s.transfer;
     const CpuScene view = view_of(s, volume_->view(), t.extinction.data(), t.colour.data(),
-                                  t.bounds.data(), s.lights.data(), seed_, first_sample_);
+                                  t.bounds.data(), s.lights.data(), seed_, first_sample_, method_);
     const CpuKernel kernel = cpu_kernel(s.features);
     const Canvas size = s.canvas;
     const std::uint32_t tiles_x = (size.width + kWorkTile - 1) / kWorkTile;
@@ -145,6 +146,7 @@ class CpuFrameRenderer final : public FrameRenderer {
   std::shared_ptr<const CpuVolume> volume_;
   std::uint64_t seed_;
   std::uint64_t first_sample_;
+  Method method_;
   std::unique_ptr<Picture> picture_;
 };
 
@@ -168,15 +170,19 @@ class CpuEngine final : public Engine {
     }
   }
 
-  Result<std::unique_ptr<FrameRenderer>> renderer(std::shared_ptr<const DeviceVolume> volume,
-                                                  std::uint64_t seed,
-                                                  std::uint64_t first_sample) override {
+ private:
+  Result<std::unique_ptr<FrameRenderer>> make_renderer(std::shared_ptr<const DeviceVolume> volume,
+                                                       std::uint64_t seed,
+                                                       std::uint64_t first_sample,
+                                                       Method method) override {
     auto mine = std::dynamic_pointer_cast<const CpuVolume>(std::move(volume));
     if (!mine) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
-    return std::make_unique<CpuFrameRenderer>(pool_, std::move(mine), seed, first_sample);
+    if (method.walk == Walk::kExact) {
+      return fail(ErrorCode::kUnsupported, "this engine has no exact walk", "estimator");
+    }
+    return std::make_unique<CpuFrameRenderer>(pool_, std::move(mine), seed, first_sample, method);
   }
 
- private:
   std::shared_ptr<ThreadPool> pool_;
 };
 

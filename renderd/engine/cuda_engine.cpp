@@ -22,15 +22,19 @@ class CudaEngine : public Engine {
     return cuda::CudaVolume::load(volume);
   }
 
-  Result<std::unique_ptr<FrameRenderer>> renderer(std::shared_ptr<const DeviceVolume> volume,
-                                                  std::uint64_t seed,
-                                                  std::uint64_t first_sample) override {
+ private:
+  Result<std::unique_ptr<FrameRenderer>> make_renderer(std::shared_ptr<const DeviceVolume> volume,
+                                                       std::uint64_t seed,
+                                                       std::uint64_t first_sample,
+                                                       Method method) override {
     auto ours = std::dynamic_pointer_cast<const cuda::CudaVolume>(std::move(volume));
     if (!ours) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
-    return cuda::CudaRenderer::make(std::move(ours), seed, first_sample);
+    if (method.walk == Walk::kExact) {
+      return fail(ErrorCode::kUnsupported, "this engine has no exact walk", "estimator");
+    }
+    return cuda::CudaRenderer::make(std::move(ours), seed, first_sample, method);
   }
 
- private:
   EngineInfo info_;
 };
 

@@ -23,8 +23,10 @@ tl::unexpected<Error> no_scene() {
 
 Result<std::unique_ptr<FrameRenderer>> CudaRenderer::make(std::shared_ptr<const CudaVolume> volume,
                                                           std::uint64_t seed,
-                                                          std::uint64_t first_sample) {
-  std::unique_ptr<CudaRenderer> renderer(new CudaRenderer(std::move(volume), seed, first_sample));
+                                                          std::uint64_t first_sample,
+                                                          Method method) {
+  std::unique_ptr<CudaRenderer> renderer(
+      new CudaRenderer(std::move(volume), seed, first_sample, method));
   auto stream = Stream::make();
   if (!stream) return tl::unexpected(stream.error());
   renderer->stream_ = std::move(*stream);
@@ -112,7 +114,7 @@ Result<bool> CudaRenderer::trace_pending(const std::function<bool()>& stop, Flig
   const Canvas canvas = film_->canvas();
   const SceneView<TextureVolume> view =
       view_of(prepared_, volume_->view(), tables_.extinction.data(), tables_.colour.data(),
-              tables_.bounds.data(), tables_.lights.data(), seed_, first_sample_);
+              tables_.bounds.data(), tables_.lights.data(), seed_, first_sample_, method_);
   while (pending_.next_row < canvas.height) {
     if (stop()) return false;
     const std::uint32_t rows =

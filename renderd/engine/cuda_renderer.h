@@ -18,8 +18,8 @@ namespace diaphane::render::cuda {
 class CudaRenderer : public FrameRenderer {
  public:
   static Result<std::unique_ptr<FrameRenderer>> make(std::shared_ptr<const CudaVolume> volume,
-                                                     std::uint64_t seed,
-                                                     std::uint64_t first_sample);
+                                                     std::uint64_t seed, std::uint64_t first_sample,
+                                                     Method method);
   /// Waits for what the stream still does: it writes into memory of this renderer.
   ~CudaRenderer() override;
 
@@ -55,8 +55,8 @@ class CudaRenderer : public FrameRenderer {
   };
 
   CudaRenderer(std::shared_ptr<const CudaVolume> volume, std::uint64_t seed,
-               std::uint64_t first_sample)
-      : volume_(std::move(volume)), seed_(seed), first_sample_(first_sample) {}
+               std::uint64_t first_sample, Method method)
+      : volume_(std::move(volume)), seed_(seed), first_sample_(first_sample), method_(method) {}
 
   Result<Tables> grown_tables(const PreparedScene& prepared) const;
   Result<void> upload_tables(const PreparedScene& prepared);
@@ -67,6 +67,7 @@ class CudaRenderer : public FrameRenderer {
   std::shared_ptr<const CudaVolume> volume_;
   std::uint64_t seed_;
   std::uint64_t first_sample_;
+  Method method_;
   Stream stream_;
   std::array<Event, kAhead + 1> events_;
 

@@ -4,11 +4,13 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "api/proto/scene.pb.h"
 #include "common/result.h"
 #include "renderd/film/canvas.h"
+#include "renderd/kernel/method.h"
 #include "volume/volume.h"
 
 namespace diaphane::render {
@@ -81,9 +83,17 @@ class Engine {
   virtual EngineInfo info() const = 0;
   virtual Result<std::shared_ptr<const DeviceVolume>> load(const volume::Volume& volume) = 0;
   /// `seed` and `first_sample` keep the sample ranges of different devices disjoint.
-  virtual Result<std::unique_ptr<FrameRenderer>> renderer(
-      std::shared_ptr<const DeviceVolume> volume, std::uint64_t seed,
-      std::uint64_t first_sample) = 0;
+  Result<std::unique_ptr<FrameRenderer>> renderer(std::shared_ptr<const DeviceVolume> volume,
+                                                  std::uint64_t seed, std::uint64_t first_sample,
+                                                  Method method = {}) {
+    return make_renderer(std::move(volume), seed, first_sample, method);
+  }
+
+ private:
+  /// A default argument of a virtual function would be the caller's static type's.
+  virtual Result<std::unique_ptr<FrameRenderer>> make_renderer(
+      std::shared_ptr<const DeviceVolume> volume, std::uint64_t seed, std::uint64_t first_sample,
+      Method method) = 0;
 };
 
 enum class EngineChoice { kAuto, kCpu, kCuda };

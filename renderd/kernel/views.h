@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "renderd/kernel/method.h"
 #include "renderd/math/vector.h"
 
 // What a kernel reads, as plain views: no ownership, no containers, the pointers are the executor's
@@ -106,7 +107,9 @@ struct SceneView {
   std::uint64_t seed;
   std::uint64_t first_sample;  ///< of the random stream: keeps the samples of devices apart
   std::uint64_t stream;        ///< of the low-discrepancy points: a hash of the two above
-  bool independent_points;     ///< take none of those, for comparison
+  bool independent_points;     ///< take none of those, for comparison (Method::low_discrepancy)
+  Mis mis;
+  Walk walk;
 };
 
 }  // namespace diaphane::render

@@ -8,6 +8,7 @@
 #include "common/result.h"
 #include "renderd/film/canvas.h"
 #include "renderd/kernel/features.h"
+#include "renderd/kernel/method.h"
 #include "renderd/kernel/views.h"
 #include "renderd/math/random.h"
 #include "renderd/scene/grid.h"
@@ -29,8 +30,7 @@ struct PreparedScene {
   float phase_g = 0;
   Float3 escape{};
   Canvas canvas;
-  Float3 spacing{};  ///< mm
-  bool independent_points = false;
+  Float3 spacing{};          ///< mm
   float exposure_scale = 1;  ///< 2^exposure: what the display multiplies radiance by
 };
 
@@ -45,7 +45,7 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
 template <typename Volume>
 SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, const float* extinction,
                           const Float4* colour, const CellBounds* bounds, const AreaLight* lights,
-                          std::uint64_t seed, std::uint64_t first_sample = 0) {
+                          std::uint64_t seed, std::uint64_t first_sample = 0, Method method = {}) {
   const PreparedTransfer& t = *scene.transfer;
   const Float3 s = scene.spacing;
   return SceneView<Volume>{
@@ -63,7 +63,9 @@ SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, cons
       .seed = seed,
       .first_sample = first_sample,
       .stream = mix64(seed + mix64(first_sample)),
-      .independent_points = scene.independent_points};
+      .independent_points = !method.low_discrepancy,
+      .mis = method.mis,
+      .walk = method.walk};
 }
 
 }  // namespace diaphane::render

@@ -101,12 +101,14 @@ class FakeEngine final : public Engine {
     ++device_->volumes;
     return std::make_shared<FakeDeviceVolume>(volume.header);
   }
-  Result<std::unique_ptr<FrameRenderer>> renderer(std::shared_ptr<const DeviceVolume> volume,
-                                                  std::uint64_t, std::uint64_t) override {
+
+ private:
+  Result<std::unique_ptr<FrameRenderer>> make_renderer(std::shared_ptr<const DeviceVolume> volume,
+                                                       std::uint64_t, std::uint64_t,
+                                                       Method) override {
     return std::make_unique<FakeRenderer>(device_, std::move(volume));
   }
 
- private:
   std::shared_ptr<FakeDevice> device_;
 };
 

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+namespace diaphane::render {
+
+/// How free flights and transmittances are found.
+enum class Walk : std::uint8_t {
+  kAuto,      ///< the exact walk wherever it applies
+  kExact,     ///< the exact walk; refused where it does not apply
+  kTracking,  ///< delta and residual ratio tracking everywhere: the reference
+};
+
+/// Which samples direct light is estimated from, where light and matter can both draw a direction.
+enum class Mis : std::uint8_t {
+  kBoth,     ///< both, weighted against each other
+  kLight,    ///< points on the lights only
+  kScatter,  ///< directions in which matter scatters only
+};
+
+/// Choices of the estimator. All have the same mean and differ in variance and cost; a server uses
+/// the defaults, the others are there to be compared with.
+struct Method {
+  Walk walk = Walk::kAuto;
+  bool low_discrepancy = true;  ///< false: independent points instead (math/points.h)
+  Mis mis = Mis::kBoth;
+
+  bool operator==(const Method&) const = default;
+};
+
+}  // namespace diaphane::render
