@@ -3,6 +3,7 @@
 #include "renderd/kernel/features.h"
 #include "renderd/kernel/views.h"
 #include "renderd/kernel/walk.h"
+#include "renderd/math/disk.h"
 #include "renderd/math/random.h"
 
 namespace diaphane::render {
@@ -13,16 +14,33 @@ struct CameraRay {
   Float3 direction;
 };
 
-/// Through the point (x, y) of the picture, in pixels from its upper left corner.
+/// Through the point (x, y) of the picture, in pixels from its upper left corner, and through the
+/// point of the lens that `lens` in (0, 1)^2 stands for (unused without Feature::kLens). Uniform
+/// over the lens: all its points see alike, so a picture's brightness does not depend on it.
 template <Features F, typename Volume>
-HOST_DEVICE CameraRay camera_ray(const SceneView<Volume>& scene, float x, float y) {
+HOST_DEVICE CameraRay camera_ray(const SceneView<Volume>& scene, float x, float y,
+                                 [[maybe_unused]] Random::Pair lens = {0.5f, 0.5f}) {
   const CameraView& c = scene.camera;
   const float a = 2.0f * x / static_cast<float>(scene.width) - 1.0f;
   const float b = 1.0f - 2.0f * y / static_cast<float>(scene.height);
   const Float3 aside = c.right * a + c.up * b;
+  Float3 start = c.start + aside * c.near;
+  Float3 along = c.forward;
+  if constexpr (F.has(Feature::kOrthographic)) {
+    along += aside * c.spread;
+  } else {
+    along += aside;
+  }
+  if constexpr (F.has(Feature::kLens)) {
+    // From the lens to where the pinhole's ray meets the plane of focus.
+    const DiskPoint p = sample_disk(lens.a, lens.b);
+    const Float3 on_lens = c.lens_right * p.x + c.lens_up * p.y;
+    start += on_lens * c.lens_at_start;
+    along += on_lens * -c.lens_bend;
+  }
   CameraRay r;
-  r.direction = normalize(c.forward + aside);
-  r.ray.origin = (c.start + aside * c.near) * scene.inverse_spacing;
+  r.direction = normalize(along);
+  r.ray.origin = start * scene.inverse_spacing;
   r.ray.direction = r.direction * scene.inverse_spacing;
   return r;
 }

@@ -1,8 +1,10 @@
 #pragma once
 
 #include "renderd/kernel/camera.h"
+#include "renderd/kernel/clip.h"
 #include "renderd/kernel/direct.h"
 #include "renderd/kernel/features.h"
+#include "renderd/kernel/primary.h"
 #include "renderd/kernel/scatter.h"
 #include "renderd/kernel/tracking.h"
 #include "renderd/kernel/views.h"
@@ -15,8 +17,8 @@ namespace diaphane::render {
 /// One estimate of one pixel's radiance.
 struct Sample {
   Float3 radiance;
-  bool met_matter;  ///< the camera ray met contents of the volume (the error counts such pixels
-                    ///< only)
+  bool met_matter;  ///< the camera ray met contents of the volume, matter or a slice (the error
+                    ///< counts such pixels only)
 };
 
 /// Transmittance from `place` (voxel indices) along the unit `direction` (mm) for `distance` mm, by
@@ -25,7 +27,8 @@ template <Features F, typename Volume>
 HOST_DEVICE float tracked_visibility(const SceneView<Volume>& scene, Float3 place, Float3 direction,
                                      float distance, Random& random) {
   const Ray ray{place, direction * scene.inverse_spacing};
-  const Span span = clip(ray, scene.grid.occupied, Span{0.0f, distance});
+  const Span span = clip_span<F>(scene, ray, clip(ray, scene.grid.occupied, Span{0.0f, distance}),
+                                 RayKind::kLight);
   if (!(span.begin < span.end)) return 1.0f;
   return transmittance<F.has(Feature::kSteepExtinction)>(
       ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
@@ -43,14 +46,17 @@ HOST_DEVICE Sample estimate(const SceneView<Volume>& scene, std::uint32_t x, std
     return scene.independent_points ? random.two() : points.pair(use);
   };
   const Random::Pair jitter = pair(Points::kPixel);
-  const CameraRay camera =
-      camera_ray<F>(scene, static_cast<float>(x) + jitter.a, static_cast<float>(y) + jitter.b);
-  Sample result{scene.escape, false};
-  const Span span = clip(camera.ray, scene.grid.occupied, Span{0.0f, 3.4e38f});
+  Random::Pair lens{0.5f, 0.5f};
+  if constexpr (F.has(Feature::kLens)) lens = pair(Points::kLens);
+  const CameraRay camera = camera_ray<F>(scene, static_cast<float>(x) + jitter.a,
+                                         static_cast<float>(y) + jitter.b, lens);
+  const Sight sight = sight_along<F>(scene, camera.ray);
+  const Span span = sight.span;
+  Sample result{sight.behind, sight.slice};
   if (!(span.begin < span.end)) return result;
   const Collision hit = track<F.has(Feature::kSteepExtinction)>(
       camera.ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
-  result.met_matter = hit.met_matter;
+  result.met_matter |= hit.met_matter;
   if (!hit.found) return result;
   const Float3 place = camera.ray.at(hit.distance);
   const Scatter<F> scatter = scatter_at<F>(scene, place, hit.value, camera.direction, 0.5f);

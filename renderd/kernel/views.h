@@ -82,13 +82,43 @@ struct LightsView {
   Float3 environment;   ///< sum of all environment lights' radiance
 };
 
-/// Pinhole. A ray begins at depth `near` along the view axis, just before the box, not at the eye:
-/// its coordinates stay small however far away the eye is.
+/// Pinhole, thin lens and parallel rays in one form. A ray begins in the plane at depth `near`
+/// along the view axis, just before the box, not at the eye: its coordinates stay small however far
+/// away the eye is.
 struct CameraView {
-  Float3 start;      ///< eye + near * forward, mm in the volume's frame
+  Float3 start;      ///< of the ray through the middle, mm in the volume's frame
   Float3 forward;    ///< unit
-  Float3 right, up;  ///< of length tan(half the field of view): to the picture's edges at depth 1
-  float near;        ///< mm
+  Float3 right, up;  ///< to the picture's edges: at depth 1; parallel rays: at any depth, mm
+  float near;    ///< what they are multiplied by at the start: its depth in mm; parallel rays: 1
+  float spread;  ///< and per unit of depth: 1; parallel rays: 0
+  /// Feature::kLens: to the lens's edge, mm; how much of it is left at the start, and how much is
+  /// lost per unit of depth, so that nothing is left in the plane of focus.
+  Float3 lens_right, lens_up;
+  float lens_at_start, lens_bend;
+};
+
+/// Places p in voxel indices with dot(normal, p) <= most; both in mm.
+struct HalfSpace {
+  Float3 normal;  ///< so scaled that it takes voxel indices
+  float most;
+};
+
+/// What is kept lies in all of them: the clip box's six faces and the free planes, without those
+/// that cut nothing off the volume.
+struct ClipView {
+  static constexpr std::uint32_t kMost = 12;
+  HalfSpace kept[kMost];
+  std::uint32_t count;        ///< that cut camera rays
+  std::uint32_t light_count;  ///< that cut light: all or none
+};
+
+struct SlicesView {
+  Float3 position;       ///< across each voxel axis, voxel indices; < 0: none
+  bool coloured;         ///< by the transfer function, else grey by the window
+  float black_value;     ///< voxel value that is black
+  float per_value;       ///< grey per voxel value above that
+  float per_extinction;  ///< opacity per extinction (mm)
+  float white;           ///< radiance that the display shows as white: 1 over 2^exposure
 };
 
 /// All that one sample of one pixel depends on. `Volume` has the members of LinearVolume.
@@ -101,6 +131,8 @@ struct SceneView {
   GridView grid;
   LightsView lights;
   CameraView camera;
+  ClipView clip;
+  SlicesView slices;
   float phase_g;
   Float3 escape;  ///< radiance of a camera ray that leaves the volume
   std::uint32_t width, height;

@@ -11,6 +11,8 @@ namespace {
 constexpr int kMostChannels = 64;
 constexpr int kMostPoints = 1024;
 constexpr int kMostLights = 256;
+constexpr int kMostPlanes = 6;
+constexpr std::uint32_t kMostBounces = 1024;
 constexpr double kLongestDistance = 1e7;  // mm
 constexpr double kBrightest = 1e15;
 constexpr double kDensest = 1e7;  // per mm
@@ -123,8 +125,75 @@ Complaint check(const diaphane::v1::Camera& camera) {
   if (!(length(cross(up, back)) > 1e-9 * length(up) * length(back))) {
     return complain("camera.up", "must be a direction other than the view's");
   }
-  return in_range(camera.vertical_fov_degrees(), 1e-3, 179.9, "camera.verticalFovDegrees",
-                  "must be from 0.001 to 179.9 degrees");
+  if (auto c = in_range(camera.orthographic_height(), 0, kLongestDistance,
+                        "camera.orthographicHeight", "must be from 0 to 1e7 mm")) {
+    return c;
+  }
+  // Parallel rays have no use for it.
+  const double least_fov = camera.orthographic_height() > 0 ? 0 : 1e-3;
+  if (auto c = in_range(camera.vertical_fov_degrees(), least_fov, 179.9,
+                        "camera.verticalFovDegrees", "must be from 0.001 to 179.9 degrees")) {
+    return c;
+  }
+  if (auto c = in_range(camera.aperture_radius(), 0, kLongestDistance, "camera.apertureRadius",
+                        "must be from 0 to 1e7 mm")) {
+    return c;
+  }
+  const double focus = camera.focal_distance();
+  if (focus == 0) return {};
+  return in_range(focus, 1e-6, kLongestDistance, "camera.focalDistance",
+                  "must be 0 (the target's) or from 1e-6 to 1e7 mm");
+}
+
+Complaint check(const diaphane::v1::Clip& clip) {
+  if (clip.has_box_low() != clip.has_box_high()) {
+    return complain(clip.has_box_low() ? "clip.boxHigh" : "clip.boxLow",
+                    "is missing: a box needs both corners");
+  }
+  if (auto c = check(clip.box_low(), "clip.boxLow")) return c;
+  if (auto c = check(clip.box_high(), "clip.boxHigh")) return c;
+  const Double3 low = vector_of(clip.box_low()), high = vector_of(clip.box_high());
+  for (int axis = 0; axis < 3; ++axis) {
+    if (high[axis] >= low[axis]) continue;
+    return complain(std::string("clip.boxHigh.") + "xyz"[axis], "must not be below boxLow's");
+  }
+  if (clip.planes_size() > kMostPlanes) return complain("clip.planes", "may be 6 at most");
+  for (int i = 0; i < clip.planes_size(); ++i) {
+    const std::string field = "clip.planes[" + std::to_string(i) + "]";
+    if (auto c = check(clip.planes(i).point(), field + ".point")) return c;
+    if (auto c = check(clip.planes(i).normal(), field + ".normal")) return c;
+    if (!(length(vector_of(clip.planes(i).normal())) >= 1e-6)) {
+      return complain(field + ".normal", "must be a direction: at least 1e-6 long");
+    }
+  }
+  return {};
+}
+
+Complaint check(const diaphane::v1::Slices& slices) {
+  const std::pair<const char*, const diaphane::v1::Slices::Slice*> all[] = {
+      {"slices.sagittal", &slices.sagittal()},
+      {"slices.coronal", &slices.coronal()},
+      {"slices.axial", &slices.axial()}};
+  bool shown = false;
+  for (const auto& [field, slice] : all) {
+    if (auto c = in_range(slice->position(), -kLongestDistance, kLongestDistance,
+                          field + std::string(".position"), "must be a number within 1e7 mm")) {
+      return c;
+    }
+    shown = shown || slice->shown();
+  }
+  if (slices.colouring() != diaphane::v1::Slices::GREY &&
+      slices.colouring() != diaphane::v1::Slices::TRANSFER) {
+    return complain("slices.colouring", "must be GREY or TRANSFER");
+  }
+  if (auto c = in_range(slices.window_centre(), -1e9, 1e9, "slices.windowCentre",
+                        "must be a number within 1e9")) {
+    return c;
+  }
+  const bool grey = shown && slices.colouring() == diaphane::v1::Slices::GREY;
+  return in_range(
+      slices.window_width(), grey ? 1e-6 : 0, 1e9, "slices.windowWidth",
+      grey ? "must be above 0 where a slice is grey, and 1e9 at most" : "must be from 0 to 1e9");
 }
 
 Complaint check(const diaphane::v1::Display& display) {
@@ -145,7 +214,11 @@ Complaint first_complaint(const diaphane::v1::Scene& scene) {
   if (auto c = check(scene.camera())) return c;
   const double g = scene.phase().g();
   if (!(g > -1 && g < 1)) return complain("phase.g", "must lie between -1 and 1");
-  return check(scene.display());
+  if (auto c = check(scene.display())) return c;
+  if (auto c = check(scene.clip())) return c;
+  if (auto c = check(scene.slices())) return c;
+  if (scene.bounces() > kMostBounces) return complain("bounces", "may be 1024 at most");
+  return {};
 }
 
 }  // namespace

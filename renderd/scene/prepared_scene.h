@@ -27,6 +27,9 @@ struct PreparedScene {
   std::vector<AreaLight> lights;
   Float3 environment{};
   CameraView camera{};
+  ClipView clip{};
+  SlicesView slices{};
+  bool matter = true;  ///< false: nothing but slices, no ray is traced
   float phase_g = 0;
   Float3 escape{};
   Canvas canvas;
@@ -53,9 +56,11 @@ SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, cons
       .inverse_spacing = {1.0f / s.x, 1.0f / s.y, 1.0f / s.z},
       .spacing = s,
       .transfer = {extinction, colour, t.scale, t.offset, t.margin, t.count},
-      .grid = {bounds, t.cells, t.occupied},
+      .grid = {bounds, t.cells, scene.matter ? t.occupied : Box{}},
       .lights = {lights, static_cast<std::uint32_t>(scene.lights.size()), scene.environment},
       .camera = scene.camera,
+      .clip = scene.clip,
+      .slices = scene.slices,
       .phase_g = scene.phase_g,
       .escape = scene.escape,
       .width = scene.canvas.width,

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "renderd/kernel/camera.h"
+#include "renderd/kernel/clip.h"
+#include "renderd/kernel/features.h"
+#include "renderd/kernel/slices.h"
+#include "renderd/kernel/views.h"
+#include "renderd/kernel/walk.h"
+
+namespace diaphane::render {
+
+/// What a camera ray looks through, for every estimator: clip and slices are settled here.
+struct Sight {
+  Span span;      ///< of the ray, where matter may be met; empty: nowhere
+  Float3 behind;  ///< radiance seen when it collides with nothing
+  bool slice;     ///< that is a slice
+};
+
+template <Features F, typename Volume>
+HOST_DEVICE Sight sight_along(const SceneView<Volume>& scene, const Ray& ray) {
+  Sight sight{clip(ray, scene.grid.occupied, Span{0.0f, 3.4e38f}), scene.escape, false};
+  sight.span = clip_span<F>(scene, ray, sight.span, RayKind::kCamera);
+  if constexpr (F.has(Feature::kSlices)) {
+    const SliceHit hit = nearest_slice<F>(scene, ray);
+    if (hit.found) {
+      sight.span.end = smaller(sight.span.end, hit.distance);
+      sight.behind = slice_radiance(scene, scene.volume.at(hit.place));
+      sight.slice = true;
+    }
+  }
+  return sight;
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "api/proto/scene.pb.h"
+#include "renderd/film/canvas.h"
+#include "renderd/kernel/views.h"
+#include "renderd/scene/frame.h"
+
+namespace diaphane::render {
+
+/// The camera's frame: right-handed, x right, y up, z towards the eye; in world space.
+struct CameraAxes {
+  Double3 right, up, back;
+
+  explicit CameraAxes(const diaphane::v1::Camera& camera);
+  Double3 to_world(Double3 v) const { return right * v.x + up * v.y + back * v.z; }
+};
+
+/// `camera` has passed check_scene.
+CameraView prepare_camera(const diaphane::v1::Camera& camera, const CameraAxes& axes,
+                          const WorldToFrame& frame, Canvas canvas);
+
+}  // namespace diaphane::render
