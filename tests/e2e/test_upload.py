@@ -36,6 +36,38 @@ def test_three_slices_are_refused_with_their_number(person: Person, cranium: Pat
     expect(person.page.get_by_text("Too few slices: 3, and 16 are needed for a volume.")).to_be_visible()
 
 
+def test_a_scout_alone_is_refused_as_a_scout(person: Person, cranium: Path, tmp_path: Path):
+    for path in some_slices(cranium, tmp_path / "scout", 2):
+        path.write_bytes(with_image_type(path.read_bytes(), b"ORIGINAL\\PRIMARY\\LOCALIZER"))
+    person.choose_folder(tmp_path / "scout")
+    expect(person.page.get_by_role("heading", name="Nothing here can become a volume")).to_be_visible()
+    expect(person.page.get_by_text("This is a scout (a picture to plan the scan by), not a volume.")).to_be_visible()
+
+
+def test_a_dropped_folder_is_looked_into(person: Person, cranium: Path, tmp_path: Path):
+    disc = tmp_path / "disc"
+    (disc / "DICOM").mkdir(parents=True)
+    some_slices(cranium, disc / "DICOM" / "SE1")  # more files than a directory's reader gives at a time
+    (disc / "readme.txt").write_text("start viewer.exe")
+    page = person.page
+    page.goto(person.stack.url + "/add")
+    drop(page, disc)
+    expect(page.get_by_text("One series can be shown")).to_be_visible()
+    expect(page.get_by_text("108 slices")).to_be_visible()
+    expect(page.get_by_text("1 file is not DICOM and left alone.")).to_be_visible()
+
+
+def test_a_scan_over_the_quota_is_refused_with_both_sizes(person: Person, cranium: Path):
+    person.stack.psql("UPDATE users SET quota_bytes = 5000000 WHERE email = %s", person.email)
+    page = person.page
+    person.choose_folder(cranium)
+    page.get_by_role("button", name="Upload", exact=True).click()
+    expect(page.get_by_role("alert")).to_have_text(
+        re.compile(r"This scan needs \d+(\.\d)? MB, and 5(\.0)? MB of your space is free\. Delete a scan first\."))
+    page.goto(person.stack.url + "/scans")
+    expect(page.get_by_text("No scans yet")).to_be_visible()
+
+
 def test_a_truncated_slice_in_the_middle_is_missed(person: Person, cranium: Path, tmp_path: Path):
     slices = some_slices(cranium, tmp_path / "torn")
     slices[50].write_bytes(slices[50].read_bytes()[:20_000])
@@ -99,6 +131,24 @@ def test_a_scan_is_deleted_after_a_question(person: Person, cranium: Path):
     page.get_by_role("button", name="Delete Short-lived").click()
     page.get_by_role("dialog").get_by_role("button", name="Delete").click()
     expect(person.card("Short-lived")).to_have_count(0)
+
+
+def with_image_type(file: bytes, value: bytes) -> bytes:
+    """The same file with another ImageType (0008,0008), of even length; explicit little endian."""
+    at = file.index(b"\x08\x00\x08\x00CS")
+    length = int.from_bytes(file[at + 6:at + 8], "little")
+    return file[:at + 6] + len(value).to_bytes(2, "little") + value + file[at + 8 + length:]
+
+
+def drop(page: Page, folder: Path) -> None:
+    """As from a file manager onto the middle of the field: the browser itself opens the folder."""
+    box = page.get_by_text("Drop a folder here").bounding_box()
+    devtools = page.context.new_cdp_session(page)
+    for kind in ("dragEnter", "dragOver", "drop"):
+        devtools.send("Input.dispatchDragEvent", {
+            "type": kind, "x": box["x"] + box["width"] / 2, "y": box["y"] + box["height"] / 2,
+            "data": {"items": [], "files": [str(folder)], "dragOperationsMask": 1}})
+    devtools.detach()
 
 
 def watch_parts(page: Page) -> list[str]:

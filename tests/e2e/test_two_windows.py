@@ -1,0 +1,41 @@
+"""One picture in two windows of one person."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from playwright.sync_api import Page, expect
+
+from harness import TestStack
+from person import Person
+from picture import drag, facts, wait_for_samples
+
+
+def test_a_duplicated_window_takes_the_picture_over_until_it_is_asked_back(stack: TestStack, visit, cranium: Path):
+    person = Person.arrives(stack, visit(), "anna")
+    person.has_scan(cranium, "Head")
+    person.open_scan("Head")
+    first = person.page
+    wait_for_samples(stack, first, 4)
+
+    # What "Duplicate" in a browser does: the new window begins with what the old one remembers.
+    with first.context.expect_page() as opened:
+        first.evaluate("window.open(location.href)")
+    second = opened.value
+    wait_for_samples(stack, second, 4)
+    assert session_of(first) == session_of(second)
+    expect(first.get_by_role("status")).to_contain_text("This picture goes on in another window.")
+    drag(second, 200, 0)
+    wait_for_samples(stack, second, 8, input_seq=facts(second).input_seq + 1)
+    expect(first.locator(".viewer-status")).to_have_attribute("data-phase", "elsewhere")  # it does not take it back by itself
+
+    first.get_by_role("button", name="Continue here").click()
+    expect(first.locator(".viewer-status")).to_have_attribute("data-phase", "live")
+    expect(first.get_by_role("button", name="Continue here")).to_have_count(0)
+    expect(second.get_by_role("status")).to_contain_text("This picture goes on in another window.")
+    drag(first, -100, 0)
+    wait_for_samples(stack, first, 4, input_seq=facts(first).input_seq + 1)
+
+
+def session_of(page: Page) -> str:
+    return page.evaluate("JSON.parse(Object.entries(sessionStorage).find(([k]) => k.startsWith('diaphane.view.'))[1]).session_id")
