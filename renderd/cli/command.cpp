@@ -2,7 +2,7 @@
 
 #include <unistd.h>
 
-#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -11,21 +11,27 @@
 #include "renderd/cli/input.h"
 #include "renderd/cli/picture_file.h"
 #include "renderd/cli/report.h"
+#include "renderd/cli/stop_rule.h"
 #include "renderd/scene/presets.h"
 
 namespace diaphane::render::cli {
 namespace {
 
-/// A scene file larger than this is none.
-constexpr std::streamsize kLargestScene = 8 << 20;
+/// A scene file larger than this is none; textures are in it.
+constexpr std::streamsize kLargestScene = 64 << 20;
+/// Seconds between two lines of progress.
+constexpr double kShowEvery = 0.2;
 
 Result<std::string> read_text(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text;
   if (file) {
-    text.resize(static_cast<std::size_t>(kLargestScene) + 1);
-    file.read(text.data(), std::ssize(text));
-    text.resize(static_cast<std::size_t>(file.gcount()));
+    // A piece at a time: most files are small.
+    char piece[1 << 16];
+    while (std::ssize(text) <= kLargestScene && file) {
+      file.read(piece, sizeof piece);
+      text.append(piece, static_cast<std::size_t>(file.gcount()));
+    }
   }
   if (file.bad() || !file.is_open()) return fail(ErrorCode::kNotFound, "cannot read " + path);
   if (std::ssize(text) > kLargestScene) {
@@ -46,27 +52,45 @@ Result<diaphane::v1::Scene> scene_of(const Options& options, const volume::Heade
   return scene_from_json(*text);
 }
 
-/// In pieces of a size that depends on nothing measured, since it can decide how sums are rounded.
-constexpr std::uint32_t kPiece = 32;
+struct Ending {
+  std::uint64_t dropped = 0;
+  StopReason reason = StopReason::kSamples;
+};
 
 /// Shows progress where a person looks on.
-Result<std::uint64_t> render_all(FrameRenderer& renderer, const Options& options) {
+Result<Ending> render_all(FrameRenderer& renderer, const Options& options) {
+  using Clock = std::chrono::steady_clock;
   const bool show = !options.quiet && ::isatty(STDERR_FILENO) == 1;
-  std::uint64_t dropped = 0;
-  std::uint32_t done = 0;
-  while (done < options.samples) {
-    auto batch = renderer.render(std::min(kPiece, options.samples - done), [] { return false; });
+  const auto begin = Clock::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
+  const StopRule rule = options.stop_rule();
+  Pace pace(rule);
+  Ending ending;
+  std::uint64_t done = 0;
+  const auto stop = [&] { return done > 0 && rule.seconds && elapsed() >= *rule.seconds; };
+  double last_shown = 0;
+  for (;;) {
+    auto batch = renderer.render(pace.piece(), stop);
     if (!batch) return tl::make_unexpected(batch.error());
-    dropped += batch->dropped_samples;
+    ending.dropped += batch->dropped_samples;
     done += batch->samples;
-    if (show) {
-      const Progress progress = renderer.progress();
-      std::fprintf(stderr, "\r%u of %u samples, %.1f s, error %.4f ", done, options.samples,
-                   progress.seconds, progress.error);
+    pace.advance(done);
+    const double now = elapsed();
+    const bool show_now = show && now >= last_shown + kShowEvery;
+    std::optional<double> error;
+    if (pace.error_is_due() || show_now) error = renderer.progress().error;
+    const auto reason = pace.reached(elapsed(), pace.error_is_due() ? error : std::nullopt);
+    if (show_now || (show && reason)) {
+      if (!error) error = renderer.progress().error;
+      std::fprintf(stderr, "\r%llu samples, %.1f s, error %.4f ",
+                   static_cast<unsigned long long>(done), now, *error);
+      last_shown = now;
     }
+    if (!reason) continue;
+    if (show) std::fputc('\n', stderr);
+    ending.reason = *reason;
+    return ending;
   }
-  if (show) std::fputc('\n', stderr);
-  return dropped;
 }
 
 Result<std::string> encode(FrameRenderer& renderer, PictureFormat format) {
@@ -95,6 +119,7 @@ Result<Rendered> render(const Options& options) {
   if (!input) return tl::make_unexpected(input.error());
   auto scene = scene_of(options, input->header);
   if (!scene) return tl::make_unexpected(scene.error());
+  if (options.bounces) scene->set_bounces(*options.bounces);
   auto volume = (*engine)->load(*input);
   if (!volume) return tl::make_unexpected(volume.error());
   auto renderer = (*engine)->renderer(*volume, options.seed, 0, options.method);
@@ -102,12 +127,13 @@ Result<Rendered> render(const Options& options) {
   if (auto set = (*renderer)->set_scene(*scene, options.canvas); !set) {
     return tl::make_unexpected(set.error());
   }
-  auto dropped = render_all(**renderer, options);
-  if (!dropped) return tl::make_unexpected(dropped.error());
+  auto ending = render_all(**renderer, options);
+  if (!ending) return tl::make_unexpected(ending.error());
   auto picture = encode(**renderer, *picture_format(options.picture));
   if (!picture) return tl::make_unexpected(picture.error());
   return Rendered{std::move(*picture),
-                  {(*engine)->info(), (*renderer)->progress(), *dropped, (*renderer)->features()}};
+                  {(*engine)->info(), (*renderer)->progress(), ending->dropped, ending->reason,
+                   (*renderer)->features()}};
 }
 
 int complain(const Error& error, int exit_code) {

@@ -12,31 +12,43 @@ namespace diaphane::render::cli {
 namespace {
 
 constexpr std::uint32_t kLongestSide = kLongestCanvas;
+constexpr std::uint32_t kDefaultSamples = 64;
 
 constexpr const char* kAbout =
     "Renders a scan to a picture file, by the same renderer as the server's, without a server.\n"
     "\n"
     "INPUT is a folder of DICOM files, a file .mha, .mhd, .nii, .nii.gz or .nrrd, or a directory "
     "of\n"
-    "the volume store (with volume.json). What the picture shows is a scene file (JSON, documented "
-    "in\n"
-    "api/proto/scene.proto; lengths in millimetres, origin at the centre of the volume's box, x to "
-    "the\n"
-    "patient's left, y to the back, z to the head) or a preset fitted to the scan.";
+    "the volume store (with volume.json). What the picture shows is a scene file (JSON: "
+    "docs/scenes.md\n"
+    "has every field and an example of each; lengths in millimetres, origin at the centre of the\n"
+    "volume's box, x to the patient's left, y to the back, z to the head) or a preset fitted to "
+    "the scan.\n"
+    "\n"
+    "It renders until the first of --samples, --error and --seconds is reached; with none of them, "
+    "64\n"
+    "samples.";
 
 constexpr const char* kFooter =
     "\nExamples:\n"
     "  diaphane-render head/ --preset bone --out head.png\n"
     "  diaphane-render ct.nii.gz --scene scene.json --size 1920x1080 --samples 256 \\\n"
     "      --out ct.exr --json ct.json\n"
+    "  diaphane-render ct.nrrd --scene scene.json --error 0.02 --seconds 60 --out ct.png --json "
+    "-\n"
     "\n"
     "The report (--json) holds: samples (per pixel), milliseconds (of rendering alone), "
     "estimated_error\n"
     "(relative RMSE of the picture against the converged one, null below two samples), "
-    "dropped_samples\n"
-    "(not finite), samples_per_second (of all pixels), engine, device, features, width, height, "
-    "seed.\n"
-    "The same engine, seed, size and samples give the same picture, bit by bit.\n"
+    "stopped_by\n"
+    "(samples, error or seconds), dropped_samples (not finite), samples_per_second (of all "
+    "pixels),\n"
+    "engine, device, features (what the scene needs of the renderer: compiled in), left_out (what "
+    "it does\n"
+    "not need), width, height, seed.\n"
+    "The same engine, seed, size and samples give the same picture, bit by bit; --seconds depends "
+    "on the\n"
+    "machine.\n"
     "\n"
     "Exit codes: 0 done, 64 wrong command line, 65 input or scene is wrong, 66 it cannot be read,\n"
     "69 no such device, 70 a defect of ours, 71 not enough memory, 73 cannot write.";
@@ -65,6 +77,18 @@ std::function<std::string(const std::string&)> whole_number(std::uint64_t low, s
     if (error == std::errc{} && end == last && number >= low && number <= high) return {};
     return "a whole number from " + std::to_string(low) + " to " + std::to_string(high) +
            ": not '" + text + "'";
+  };
+}
+
+std::function<std::string(const std::string&)> positive_number(double most) {
+  return [most](const std::string& text) -> std::string {
+    double number = 0;
+    const char* last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data(), last, number);
+    if (error == std::errc{} && end == last && number > 0 && number <= most) return {};
+    std::ostringstream out;
+    out << "a number above 0, " << most << " at most: not '" << text << "'";
+    return out.str();
   };
 }
 
@@ -128,9 +152,23 @@ std::variant<Options, Farewell> parse(int argc, const char* const* argv) {
   app.add_option("--size", size, "picture size in pixels, default 512x512")
       ->type_name("WxH")
       ->check([&](const std::string& text) { return parse_size(text, options.canvas); }, "");
-  app.add_option("--samples", options.samples, "samples per pixel, default 64")
+  app.add_option("--samples", options.samples,
+                 "samples per pixel at most; default 64, or no limit with --error or --seconds")
       ->type_name("N")
-      ->check(whole_number(1, 1 << 24), "");
+      ->check(whole_number(1, StopRule::kMostSamples), "");
+  app.add_option("--error", options.error,
+                 "stop when the estimated error is at most this; 0.05 is 5% of the way from black "
+                 "to white")
+      ->type_name("E")
+      ->check(positive_number(1), "");
+  app.add_option("--seconds", options.seconds,
+                 "stop after so many seconds of rendering (one sample at least)")
+      ->type_name("S")
+      ->check(positive_number(1e6), "");
+  app.add_option("--bounces", options.bounces,
+                 "collisions of a light path at most, 1 to 1024, instead of the scene's")
+      ->type_name("N")
+      ->check(whole_number(1, 1024), "");
   std::string engine = "auto";
   app.add_option("--engine", engine, "auto, cpu or cuda; auto takes CUDA when a device answers")
       ->type_name("NAME")
@@ -177,6 +215,16 @@ std::variant<Options, Farewell> parse(int argc, const char* const* argv) {
     return Farewell{kExitUsage, "diaphane-render: " + err.str()};
   }
   return options;
+}
+
+StopRule Options::stop_rule() const {
+  StopRule rule{.error = error, .seconds = seconds};
+  if (samples) {
+    rule.samples = *samples;
+  } else if (!error && !seconds) {
+    rule.samples = kDefaultSamples;
+  }
+  return rule;
 }
 
 int exit_code_of(ErrorCode code) {

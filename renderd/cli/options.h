@@ -5,6 +5,7 @@
 #include <string>
 #include <variant>
 
+#include "renderd/cli/stop_rule.h"
 #include "renderd/engine/frame_renderer.h"
 
 namespace diaphane::render::cli {
@@ -24,7 +25,10 @@ struct Options {
   std::string scene_file;  ///< this or `preset`, never both
   std::string preset;
   Canvas canvas{512, 512};
-  std::uint32_t samples = 64;  ///< per pixel
+  std::optional<std::uint32_t> samples;  ///< per pixel
+  std::optional<double> error;           ///< estimated error to reach
+  std::optional<double> seconds;         ///< of rendering
+  std::optional<std::uint32_t> bounces;  ///< instead of the scene's
   EngineChoice engine = EngineChoice::kAuto;
   unsigned threads = 0;  ///< 0: all cores
   std::uint64_t seed = 1;
@@ -32,6 +36,8 @@ struct Options {
   std::string picture;  ///< .png, .exr or .ppm
   std::string report;   ///< JSON; "-" is standard output; empty: none
   bool quiet = false;
+
+  StopRule stop_rule() const;
 };
 
 /// What to do instead of rendering: text for the user and the exit code.

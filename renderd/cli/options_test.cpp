@@ -32,13 +32,27 @@ TEST(RenderOptions, EveryOptionReachesItsPlace) {
   EXPECT_EQ(options->scene_file, "s.json");
   EXPECT_EQ(options->canvas.width, 640u);
   EXPECT_EQ(options->canvas.height, 480u);
-  EXPECT_EQ(options->samples, 7u);
+  EXPECT_EQ(options->stop_rule().samples, 7u);
   EXPECT_EQ(options->engine, EngineChoice::kCuda);
   EXPECT_EQ(options->threads, 3u);
   EXPECT_EQ(options->seed, 9u);
   EXPECT_EQ(options->picture, "a.ppm");
   EXPECT_EQ(options->report, "-");
   EXPECT_EQ(options->method, (Method{Walk::kTracking, false, Mis::kScatter}));
+}
+
+TEST(RenderOptions, ErrorAndSecondsTakeThePlaceOfTheDefaultNumberOfSamples) {
+  const auto rule_of = [](std::vector<const char*> words) {
+    words.insert(words.begin(), {"scan", "--preset", "bone", "--out", "a.ppm"});
+    const auto parsed = parse_words(words);
+    return std::get<Options>(parsed).stop_rule();
+  };
+  EXPECT_EQ(rule_of({}).samples, 64u);
+  EXPECT_EQ(rule_of({"--error", "0.05"}).samples, StopRule::kMostSamples);
+  EXPECT_EQ(rule_of({"--error", "0.05"}).error, 0.05);
+  EXPECT_EQ(rule_of({"--seconds", "1e1"}).samples, StopRule::kMostSamples);
+  EXPECT_EQ(rule_of({"--seconds", "1e1"}).seconds, 10.0);
+  EXPECT_EQ(rule_of({"--seconds", "3", "--samples", "5"}).samples, 5u);
 }
 
 TEST(RenderOptions, MistakesAreRefusedByName) {
@@ -50,6 +64,13 @@ TEST(RenderOptions, MistakesAreRefusedByName) {
   expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--samples", "0"}, "--samples");
   expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--samples", "1e9"}, "--samples");
   expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--seed", "-1"}, "--seed");
+  for (const char* number : {"0", "-1", "nan", "inf", "1e", "", "x", "1e300"}) {
+    expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--error", number}, "--error");
+    expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--seconds", number},
+                   "--seconds");
+  }
+  expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--bounces", "1025"}, "--bounces");
+  expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--bounces", "0"}, "--bounces");
   expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--engine", "gpu"}, "--engine");
   expect_refused({"scan", "--preset", "bone", "--out", "a.ppm", "--estimator", "euler"},
                  "--estimator");
@@ -68,8 +89,9 @@ TEST(RenderOptions, HelpNamesEveryOptionAndExitCode) {
   ASSERT_NE(farewell, nullptr);
   EXPECT_EQ(farewell->exit_code, 0);
   for (const char* word :
-       {"--scene", "--preset", "--size", "--samples", "--engine", "--threads", "--seed",
-        "--estimator", "--points", "--mis", "--out", "--json", "--quiet", ".nrrd", "64", "73"}) {
+       {"--scene", "--preset", "--size", "--samples", "--error", "--seconds", "--bounces",
+        "--engine", "--threads", "--seed", "--estimator", "--points", "--mis", "--out", "--json",
+        "--quiet", ".nrrd", "64", "73"}) {
     EXPECT_NE(farewell->text.find(word), std::string::npos) << word;
   }
 }

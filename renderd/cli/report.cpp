@@ -1,9 +1,26 @@
 #include "renderd/cli/report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "renderd/kernel/features.h"
+
 namespace diaphane::render::cli {
+
+namespace {
+
+std::vector<std::string> left_out(const std::vector<std::string>& features) {
+  std::vector<std::string> names;
+  for (const char* name : kFeatureNames) {
+    if (std::find(features.begin(), features.end(), name) == features.end()) {
+      names.emplace_back(name);
+    }
+  }
+  return names;
+}
+
+}  // namespace
 
 std::string report_json(const Options& options, const Outcome& outcome) {
   const double pixels = double{1} * options.canvas.width * options.canvas.height;
@@ -12,11 +29,13 @@ std::string report_json(const Options& options, const Outcome& outcome) {
       {"samples", progress.samples},
       {"milliseconds", progress.seconds * 1e3},
       {"estimated_error", nullptr},
+      {"stopped_by", name_of(outcome.stopped_by)},
       {"dropped_samples", outcome.dropped_samples},
       {"samples_per_second", nullptr},
       {"engine", outcome.engine.engine},
       {"device", outcome.engine.device},
       {"features", outcome.features},
+      {"left_out", left_out(outcome.features)},
       {"width", options.canvas.width},
       {"height", options.canvas.height},
       {"seed", options.seed},

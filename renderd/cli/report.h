@@ -13,6 +13,7 @@ struct Outcome {
   EngineInfo engine;
   Progress progress;
   std::uint64_t dropped_samples = 0;
+  StopReason stopped_by = StopReason::kSamples;
   std::vector<std::string> features;
 };
 

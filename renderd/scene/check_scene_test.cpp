@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "renderd/scene/presets.h"
 #include "renderd/scene/test_scenes.h"
@@ -87,8 +89,86 @@ const Fault kFaults[] = {
      [](Scene& s) { s.mutable_display()->mutable_background()->set_r(-1); }},
 };
 
+/// Of camera, clip, slices and paths, which most scenes leave out.
+void set_clip_box(Scene& s, double low, double high) {
+  test::set(s.mutable_clip()->mutable_box_low(), low, low, low);
+  test::set(s.mutable_clip()->mutable_box_high(), high, high, high);
+}
+const Fault kFaultsOfTheView[] = {
+    {"camera.verticalFovDegrees",
+     [](Scene& s) { s.mutable_camera()->set_vertical_fov_degrees(kNan); }},
+    {"camera.verticalFovDegrees",
+     [](Scene& s) {
+       s.mutable_camera()->set_orthographic_height(100);
+       s.mutable_camera()->set_vertical_fov_degrees(kInfinity);
+     }},
+    {"camera.orthographicHeight",
+     [](Scene& s) { s.mutable_camera()->set_orthographic_height(-1); }},
+    {"camera.orthographicHeight",
+     [](Scene& s) { s.mutable_camera()->set_orthographic_height(kNan); }},
+    {"camera.orthographicHeight",
+     [](Scene& s) { s.mutable_camera()->set_orthographic_height(kInfinity); }},
+    {"camera.apertureRadius", [](Scene& s) { s.mutable_camera()->set_aperture_radius(-0.1); }},
+    {"camera.apertureRadius", [](Scene& s) { s.mutable_camera()->set_aperture_radius(kNan); }},
+    {"camera.apertureRadius", [](Scene& s) { s.mutable_camera()->set_aperture_radius(kInfinity); }},
+    {"camera.focalDistance", [](Scene& s) { s.mutable_camera()->set_focal_distance(-5); }},
+    {"camera.focalDistance", [](Scene& s) { s.mutable_camera()->set_focal_distance(kNan); }},
+    {"camera.focalDistance", [](Scene& s) { s.mutable_camera()->set_focal_distance(1e-300); }},
+    {"clip.boxHigh", [](Scene& s) { test::set(s.mutable_clip()->mutable_box_low(), 0, 0, 0); }},
+    {"clip.boxLow", [](Scene& s) { test::set(s.mutable_clip()->mutable_box_high(), 0, 0, 0); }},
+    {"clip.boxLow.x",
+     [](Scene& s) {
+       set_clip_box(s, -1, 1);
+       s.mutable_clip()->mutable_box_low()->set_x(kNan);
+     }},
+    {"clip.boxHigh.z",
+     [](Scene& s) {
+       set_clip_box(s, -1, 1);
+       s.mutable_clip()->mutable_box_high()->set_z(kInfinity);
+     }},
+    {"clip.boxHigh.y",
+     [](Scene& s) {
+       set_clip_box(s, -1, 1);
+       s.mutable_clip()->mutable_box_high()->set_y(-2);
+     }},
+    {"clip.planes",
+     [](Scene& s) {
+       for (int i = 0; i < 7; ++i) {
+         test::set(s.mutable_clip()->add_planes()->mutable_normal(), 1, 0, 0);
+       }
+     }},
+    {"clip.planes[0].normal", [](Scene& s) { s.mutable_clip()->add_planes(); }},
+    {"clip.planes[0].normal.y",
+     [](Scene& s) { s.mutable_clip()->add_planes()->mutable_normal()->set_y(kNan); }},
+    {"clip.planes[1].point.x",
+     [](Scene& s) {
+       test::set(s.mutable_clip()->add_planes()->mutable_normal(), 1, 0, 0);
+       auto* plane = s.mutable_clip()->add_planes();
+       test::set(plane->mutable_normal(), 1, 0, 0);
+       plane->mutable_point()->set_x(kInfinity);
+     }},
+    {"slices.windowWidth",
+     [](Scene& s) { s.mutable_slices()->mutable_coronal()->set_shown(true); }},
+    {"slices.windowWidth",
+     [](Scene& s) {
+       s.mutable_slices()->mutable_coronal()->set_shown(true);
+       s.mutable_slices()->set_window_width(-10);
+     }},
+    {"slices.windowWidth", [](Scene& s) { s.mutable_slices()->set_window_width(kNan); }},
+    {"slices.windowCentre", [](Scene& s) { s.mutable_slices()->set_window_centre(kInfinity); }},
+    {"slices.axial.position",
+     [](Scene& s) { s.mutable_slices()->mutable_axial()->set_position(kNan); }},
+    {"slices.colouring",
+     [](Scene& s) {
+       s.mutable_slices()->set_colouring(static_cast<diaphane::v1::Slices::Colouring>(9));
+     }},
+    {"bounces", [](Scene& s) { s.set_bounces(1025); }},
+};
+
 TEST(CheckScene, NamesTheFieldThatIsWrong) {
-  for (const Fault& fault : kFaults) {
+  std::vector<Fault> faults(std::begin(kFaults), std::end(kFaults));
+  faults.insert(faults.end(), std::begin(kFaultsOfTheView), std::end(kFaultsOfTheView));
+  for (const Fault& fault : faults) {
     Scene scene = test::skull_scene();
     ASSERT_TRUE(check_scene(scene));
     fault.make(scene);
@@ -118,13 +198,22 @@ TEST(SceneJson, ComesBackAsItWas) {
   EXPECT_EQ(again->SerializeAsString(), scene.SerializeAsString());
 }
 
-TEST(SceneJson, TheScenesOfTheTestsAreValid) {
-  std::ifstream file(DIAPHANE_SCENES "/cranium.json");
-  const std::string json{std::istreambuf_iterator<char>(file), {}};
-  const auto scene = scene_from_json(json);
-  ASSERT_TRUE(scene) << scene.error().message;
-  EXPECT_TRUE(check_scene(*scene));
-  EXPECT_EQ(scene->lights_size(), 2);
+/// Nobody's scene file rots: each is read, checked and prepared.
+TEST(SceneJson, EverySceneOfTheTestsIsValid) {
+  const volume::Volume volume = test::skull_volume();
+  const ValueGrid grid = make_value_grid(volume.voxels, size_of(volume.header));
+  int scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(DIAPHANE_SCENES)) {
+    if (entry.path().extension() != ".json") continue;
+    std::ifstream file(entry.path());
+    const std::string json{std::istreambuf_iterator<char>(file), {}};
+    const auto scene = scene_from_json(json);
+    ASSERT_TRUE(scene) << entry.path() << ": " << scene.error().message;
+    const auto prepared = prepare_scene(*scene, {64, 64}, volume.header, grid);
+    EXPECT_TRUE(prepared) << entry.path() << ": " << prepared.error().message;
+    ++scenes;
+  }
+  EXPECT_GT(scenes, 8);
 }
 
 TEST(SceneJson, RefusesAnUnknownFieldByName) {
