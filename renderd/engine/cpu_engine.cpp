@@ -124,8 +124,10 @@ class CpuFrameRenderer final : public FrameRenderer {
   bool one_sample(const std::function<bool()>& stop) {
     const PreparedScene& s = picture_->prepared;
     const PreparedTransfer& t = *s.transfer;
-    const CpuScene view = view_of(s, volume_->view(), t.extinction.data(), t.colour.data(),
-                                  t.bounds.data(), s.lights.data(), seed_, first_sample_, method_);
+    CpuScene view = view_of(s, volume_->view(), t.extinction.data(), t.colour.data(),
+                            t.bounds.data(), s.lights.data(), seed_, first_sample_, method_);
+    if (s.features.has(Feature::kGloss)) view.transfer.gloss = t.gloss.data();
+    if (s.features.has(Feature::kEmission)) view.transfer.emission = t.emission.data();
     const CpuKernel kernel = cpu_kernel(s.features);
     const Canvas size = s.canvas;
     const std::uint32_t tiles_x = (size.width + kWorkTile - 1) / kWorkTile;

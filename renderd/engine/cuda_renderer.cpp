@@ -45,6 +45,12 @@ Result<CudaRenderer::Tables> CudaRenderer::grown_tables(const PreparedScene& pre
   const PreparedTransfer& transfer = *prepared.transfer;
   DIAPHANE_TRY(grow(larger.extinction, tables_.extinction, transfer.extinction.size()));
   DIAPHANE_TRY(grow(larger.colour, tables_.colour, transfer.colour.size()));
+  if (prepared.features.has(Feature::kGloss)) {
+    DIAPHANE_TRY(grow(larger.gloss, tables_.gloss, transfer.gloss.size()));
+  }
+  if (prepared.features.has(Feature::kEmission)) {
+    DIAPHANE_TRY(grow(larger.emission, tables_.emission, transfer.emission.size()));
+  }
   DIAPHANE_TRY(grow(larger.bounds, tables_.bounds, transfer.bounds.size()));
   DIAPHANE_TRY(grow(larger.lights, tables_.lights, prepared.lights.size()));
   return larger;
@@ -54,7 +60,18 @@ Result<void> CudaRenderer::upload_tables(const PreparedScene& prepared) {
   const PreparedTransfer& transfer = *prepared.transfer;
   const cudaStream_t stream = stream_.get();
   // The same function as before: a moved camera uploads no table.
-  if (prepared.transfer != prepared_.transfer) {
+  const bool other = prepared.transfer != prepared_.transfer;
+  const auto wants = [&](Feature f) {
+    return prepared.features.has(f) && (other || !prepared_.features.has(f));
+  };
+  if (wants(Feature::kGloss)) {
+    DIAPHANE_TRY(upload(tables_.gloss, transfer.gloss.data(), transfer.gloss.size(), stream));
+  }
+  if (wants(Feature::kEmission)) {
+    DIAPHANE_TRY(
+        upload(tables_.emission, transfer.emission.data(), transfer.emission.size(), stream));
+  }
+  if (other) {
     DIAPHANE_TRY(
         upload(tables_.extinction, transfer.extinction.data(), transfer.extinction.size(), stream));
     DIAPHANE_TRY(upload(tables_.colour, transfer.colour.data(), transfer.colour.size(), stream));
@@ -80,6 +97,11 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream_.get()));
   adopt(tables_.extinction, std::move(larger->extinction));
   adopt(tables_.colour, std::move(larger->colour));
+  adopt(tables_.gloss, std::move(larger->gloss));
+  adopt(tables_.emission, std::move(larger->emission));
+  // Memory for a thing exists only while the scene has it.
+  if (!prepared->features.has(Feature::kGloss)) tables_.gloss = {};
+  if (!prepared->features.has(Feature::kEmission)) tables_.emission = {};
   adopt(tables_.bounds, std::move(larger->bounds));
   adopt(tables_.lights, std::move(larger->lights));
   if (film) film_ = std::move(film);
@@ -110,11 +132,18 @@ Result<void> CudaRenderer::note_launch(Flight& flight, std::uint64_t work) {
   return {};
 }
 
-Result<bool> CudaRenderer::trace_pending(const std::function<bool()>& stop, Flight& flight) {
-  const Canvas canvas = film_->canvas();
-  const SceneView<TextureVolume> view =
+SceneView<TextureVolume> CudaRenderer::view() const {
+  SceneView<TextureVolume> view =
       view_of(prepared_, volume_->view(), tables_.extinction.data(), tables_.colour.data(),
               tables_.bounds.data(), tables_.lights.data(), seed_, first_sample_, method_);
+  view.transfer.gloss = tables_.gloss.data();
+  view.transfer.emission = tables_.emission.data();
+  return view;
+}
+
+Result<bool> CudaRenderer::trace_pending(const std::function<bool()>& stop, Flight& flight) {
+  const Canvas canvas = film_->canvas();
+  const SceneView<TextureVolume> scene = view();
   while (pending_.next_row < canvas.height) {
     if (stop()) return false;
     const std::uint32_t rows =
@@ -125,7 +154,7 @@ Result<bool> CudaRenderer::trace_pending(const std::function<bool()>& stop, Flig
                         .film_sample = film_->samples(),
                         .samples = pending_.samples,
                         .lane_shift = lane_shift_for(pending_.samples, kMostLaneShift)};
-    DIAPHANE_CUDA_TRY(trace(prepared_.features, view, stripe, film_->batch(), stream_.get()));
+    DIAPHANE_CUDA_TRY(trace(prepared_.features, scene, stripe, film_->batch(), stream_.get()));
     pending_.next_row += rows;
     DIAPHANE_TRY(note_launch(flight, std::uint64_t{canvas.width} * rows * stripe.samples));
   }

@@ -40,6 +40,7 @@ class CudaRenderer : public FrameRenderer {
   struct Tables {
     DeviceBuffer<float> extinction;
     DeviceBuffer<Float4> colour;
+    DeviceBuffer<Float4> gloss, emission;  ///< nothing while no scene has needed them
     DeviceBuffer<CellBounds> bounds;
     DeviceBuffer<AreaLight> lights;
   };
@@ -60,6 +61,7 @@ class CudaRenderer : public FrameRenderer {
 
   Result<Tables> grown_tables(const PreparedScene& prepared) const;
   Result<void> upload_tables(const PreparedScene& prepared);
+  SceneView<TextureVolume> view() const;
   /// Traces rows of the pending batch until it is whole; false when stopped before.
   Result<bool> trace_pending(const std::function<bool()>& stop, Flight& flight);
   Result<void> note_launch(Flight& flight, std::uint64_t work);

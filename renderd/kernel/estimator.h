@@ -34,6 +34,66 @@ HOST_DEVICE float tracked_visibility(const SceneView<Volume>& scene, Float3 plac
       ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
 }
 
+/// Collisions after which a path may end by roulette. Before, what is saved is less than the noise.
+inline constexpr std::uint32_t kFirstRoulette = 3;
+
+/// The radiance that a path's first collision, at `place` (voxel indices), scatters of light that
+/// was scattered before: an unbiased estimate of all that comes from second and later collisions,
+/// their own glow included. The light that comes to the first one straight from the lights is not
+/// in it.
+///
+/// Lamps by next-event estimation at each collision; the environment by the path itself, when it
+/// leaves the volume: its direction is drawn as matter scatters, so no further ray is needed.
+template <Features F, typename Volume>
+HOST_DEVICE Float3 path_onwards(const SceneView<Volume>& scene, Float3 place, Scatter<F> scatter,
+                                Random& random) {
+  Float3 radiance{0.0f, 0.0f, 0.0f};
+  Float3 weight{1.0f, 1.0f, 1.0f};
+  if (scene.bounces < 2) return radiance;
+  for (std::uint32_t collisions = 1;; ++collisions) {
+    const Random::Pair u = random.two();
+    const ScatterSample next = scatter.sample(u.a, u.b);
+    weight = weight * next.weight;
+    float left = largest(weight);
+    if (!(left > 0.0f)) return radiance;
+    if (scene.roulette && collisions >= kFirstRoulette && left < 1.0f) {
+      if (random.one() >= left) return radiance;
+      weight = weight * (1.0f / left);
+    }
+    const Ray ray{place, next.direction * scene.inverse_spacing};
+    const Span span = clip_span<F>(scene, ray, clip(ray, scene.grid.occupied, Span{0.0f, 3.4e38f}),
+                                   RayKind::kLight);
+    Collision hit{0.0f, 0.0f, false, false};
+    if (span.begin < span.end) {
+      hit = track<F.has(Feature::kSteepExtinction)>(
+          ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
+    }
+    if (!hit.found) {
+      if constexpr (F.has(Feature::kEnvironment)) {
+        if (collisions > 1) radiance += weight * scene.lights.environment;
+      }
+      return radiance;
+    }
+    if (collisions == scene.bounces) return radiance;
+    place = ray.at(hit.distance);
+    float choice = 0.5f;
+    if constexpr (F.has(Feature::kHybrid)) choice = random.one();
+    scatter = scatter_at<F>(scene, place, hit.value, next.direction, choice);
+    if constexpr (F.has(Feature::kEmission)) {
+      radiance += weight * emission_at(scene.transfer, hit.value);
+    }
+    if constexpr (F.has(Feature::kAreaLights)) {
+      if (scene.lights.count > 0) {
+        const LightRay light = area_light_ray<F>(scene, place, scatter, random.two());
+        if (light.lit) {
+          radiance += weight * light.weight *
+                      tracked_visibility<F>(scene, place, light.direction, light.distance, random);
+        }
+      }
+    }
+  }
+}
+
 /// One unbiased estimate of the radiance through pixel (x, y) by tracking. `sample` counts the
 /// samples of the film, from 0. The pixel is a box filter.
 template <Features F, typename Volume>
@@ -59,8 +119,13 @@ HOST_DEVICE Sample estimate(const SceneView<Volume>& scene, std::uint32_t x, std
   result.met_matter |= hit.met_matter;
   if (!hit.found) return result;
   const Float3 place = camera.ray.at(hit.distance);
-  const Scatter<F> scatter = scatter_at<F>(scene, place, hit.value, camera.direction, 0.5f);
+  float choice = 0.5f;
+  if constexpr (F.has(Feature::kHybrid)) choice = pair(Points::kPick).a;
+  const Scatter<F> scatter = scatter_at<F>(scene, place, hit.value, camera.direction, choice);
   result.radiance = {0.0f, 0.0f, 0.0f};
+  if constexpr (F.has(Feature::kEmission)) {
+    result.radiance = emission_at(scene.transfer, hit.value);
+  }
   const auto add = [&](const LightRay& light) {
     if (!light.lit) return;
     const float seen = tracked_visibility<F>(scene, place, light.direction, light.distance, random);
@@ -72,6 +137,9 @@ HOST_DEVICE Sample estimate(const SceneView<Volume>& scene, std::uint32_t x, std
   }
   if constexpr (F.has(Feature::kEnvironment)) {
     add(environment_ray<F>(scene, place, scatter, pair(Points::kEnvironment)));
+  }
+  if constexpr (F.has(Feature::kBounces)) {
+    result.radiance += path_onwards<F>(scene, place, scatter, random);
   }
   return result;
 }

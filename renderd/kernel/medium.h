@@ -94,4 +94,36 @@ HOST_DEVICE Float3 albedo_at(const TransferView& t, float value) {
   return sum * (1.0f / w);
 }
 
+/// Of the microfacet lobe of surfaces.
+struct Gloss {
+  Float3 specular;  ///< reflectance at normal incidence
+  float gloss;      ///< [0, 1]
+};
+
+/// None where the scene has no table of it: a kernel with more features than its scene.
+HOST_DEVICE Gloss gloss_at(const TransferView& t, float value) {
+  if (t.gloss == nullptr) return {};
+  const TableSpot s = table_spot(t, value);
+  const float low = t.colour[s.node].w;
+  const float w = low + s.weight * (t.colour[s.node + 1].w - low);
+  if (!(w > 0.0f)) return {};
+  const Float4 a = t.gloss[s.node], b = t.gloss[s.node + 1];
+  const Float3 sum{a.x + s.weight * (b.x - a.x), a.y + s.weight * (b.y - a.y),
+                   a.z + s.weight * (b.z - a.z)};
+  return {sum * (1.0f / w), (a.w + s.weight * (b.w - a.w)) / w};
+}
+
+/// Source function: what opaque matter glows with; thin matter emits extinction times this per mm,
+/// so it is added where a path collides. Black where the scene has no table of it.
+HOST_DEVICE Float3 emission_at(const TransferView& t, float value) {
+  if (t.emission == nullptr) return {0.0f, 0.0f, 0.0f};
+  const TableSpot s = table_spot(t, value);
+  const Float4 a = t.emission[s.node], b = t.emission[s.node + 1];
+  const float w = a.w + s.weight * (b.w - a.w);
+  if (!(w > 0.0f)) return {0.0f, 0.0f, 0.0f};
+  const Float3 sum{a.x + s.weight * (b.x - a.x), a.y + s.weight * (b.y - a.y),
+                   a.z + s.weight * (b.z - a.z)};
+  return sum * (1.0f / w);
+}
+
 }  // namespace diaphane::render

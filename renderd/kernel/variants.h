@@ -19,6 +19,19 @@ inline constexpr Features kVariants[] = {
         .with(Feature::kEnvironment)
         .with(Feature::kAnisotropicPhase)
         .with(Feature::kSteepExtinction),
+    Features{}
+        .with(Feature::kAreaLights)
+        .with(Feature::kManyLights)
+        .with(Feature::kEnvironment)
+        .with(Feature::kAnisotropicPhase)
+        .with(Feature::kSteepExtinction)
+        .with(Feature::kBounces),
+    Features{}
+        .with(Feature::kAreaLights)
+        .with(Feature::kManyLights)
+        .with(Feature::kEnvironment)
+        .with(Feature::kSurfaces)
+        .with(Feature::kGloss),
     kAllFeatures,
 };
 inline constexpr std::size_t kVariantCount = sizeof(kVariants) / sizeof(kVariants[0]);

@@ -48,6 +48,12 @@ struct TransferView {
   float scale, offset;  ///< node = value * scale + offset
   float margin;         ///< nodes that rounding may put a value beyond its voxels'
   std::int32_t count;
+  /// Of surfaces, only where the scene has them (Feature::kGloss): sums over the channels of
+  /// opacity times specular reflectance, and in w of opacity times gloss. Means by `colour`'s w.
+  const Float4* gloss = nullptr;
+  /// Only where matter glows (Feature::kEmission): sum of opacity times emission, and in w the sum
+  /// of the opacities.
+  const Float4* emission = nullptr;
 };
 
 /// Bounds of the extinction (per mm) anywhere in a macrocell.
@@ -134,7 +140,12 @@ struct SceneView {
   ClipView clip;
   SlicesView slices;
   float phase_g;
-  Float3 escape;  ///< radiance of a camera ray that leaves the volume
+  /// mm: a place where the extinction has the gradient G is a surface with probability
+  /// 1 - exp(-|G| surfaces), G per mm^2. 0: never, infinity: wherever there is a gradient.
+  float surfaces;
+  std::uint32_t bounces;  ///< collisions of a path at most, from 1
+  bool roulette;          ///< paths of little weight may end early; unbiased either way
+  Float3 escape;          ///< radiance of a camera ray that leaves the volume
   std::uint32_t width, height;
   std::uint64_t seed;
   std::uint64_t first_sample;  ///< of the random stream: keeps the samples of devices apart

@@ -68,7 +68,10 @@ Complaint check(const diaphane::v1::Channel& channel, const std::string& field) 
       return complain(point + ".value", "must be above the point before it");
     }
   }
-  return check(channel.diffuse(), 1, field + ".diffuse", "must be from 0 to 1");
+  if (auto c = check(channel.diffuse(), 1, field + ".diffuse", "must be from 0 to 1")) return c;
+  if (auto c = check(channel.specular(), 1, field + ".specular", "must be from 0 to 1")) return c;
+  if (auto c = in_range(channel.gloss(), 0, 1, field + ".gloss", "must be from 0 to 1")) return c;
+  return check(channel.emission(), kBrightest, field + ".emission", "must be from 0 to 1e15");
 }
 
 Complaint check(const diaphane::v1::TransferFunction& function) {
@@ -204,6 +207,15 @@ Complaint check(const diaphane::v1::Display& display) {
   return check(display.background(), kBrightest, "display.background", "must be from 0 to 1e15");
 }
 
+Complaint check(const diaphane::v1::Shading& shading) {
+  if (!diaphane::v1::Shading::Mode_IsValid(shading.mode())) {
+    return complain("shading.mode", "must be PHASE, SURFACE or HYBRID");
+  }
+  if (shading.gradient_scale() == 0) return {};
+  return in_range(shading.gradient_scale(), 1e-9, 1e9, "shading.gradientScale",
+                  "must be from 1e-9 to 1e9 per mm");
+}
+
 Complaint first_complaint(const diaphane::v1::Scene& scene) {
   if (auto c = check(scene.transfer_function())) return c;
   if (scene.lights_size() > kMostLights) return complain("lights", "may be 256 at most");
@@ -217,6 +229,7 @@ Complaint first_complaint(const diaphane::v1::Scene& scene) {
   if (auto c = check(scene.display())) return c;
   if (auto c = check(scene.clip())) return c;
   if (auto c = check(scene.slices())) return c;
+  if (auto c = check(scene.shading())) return c;
   if (scene.bounces() > kMostBounces) return complain("bounces", "may be 1024 at most");
   return {};
 }

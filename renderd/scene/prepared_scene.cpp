@@ -63,6 +63,24 @@ void prepare_lights(const diaphane::v1::Scene& scene, const CameraAxes& axes,
   if (!out.lights.empty()) out.lights.back().cumulative = 1.0f;
 }
 
+/// SceneView::surfaces. The scale is for gradients of the opacity, the kernel's are of the
+/// extinction.
+float surfaces_of(const diaphane::v1::Scene& scene) {
+  constexpr double kUsualScale = 0.1;
+  switch (scene.shading().mode()) {
+    case diaphane::v1::Shading::SURFACE:
+      return std::numeric_limits<float>::infinity();
+    case diaphane::v1::Shading::HYBRID: {
+      const double given = scene.shading().gradient_scale();
+      const double scale = (given > 0 ? given : kUsualScale);
+      const double densest = scene.transfer_function().extinction_per_mm();
+      return static_cast<float>(std::min(1 / (scale * std::max(densest, 1e-30)), 1e38));
+    }
+    default:
+      return 0;
+  }
+}
+
 Features features_of(const diaphane::v1::Scene& scene, const PreparedScene& s) {
   const bool sky = s.environment.x > 0 || s.environment.y > 0 || s.environment.z > 0;
   const Features seen = Features{}
@@ -75,6 +93,11 @@ Features features_of(const diaphane::v1::Scene& scene, const PreparedScene& s) {
       .with(Feature::kManyLights, s.lights.size() > 1)
       .with(Feature::kEnvironment, sky)
       .with(Feature::kAnisotropicPhase, s.phase_g != 0)
+      .with(Feature::kSurfaces, s.surfaces > 0)
+      .with(Feature::kHybrid, s.surfaces > 0 && std::isfinite(s.surfaces))
+      .with(Feature::kGloss, s.surfaces > 0 && !s.transfer->gloss.empty())
+      .with(Feature::kEmission, !s.transfer->emission.empty())
+      .with(Feature::kBounces, s.bounces > 1)
       .with(Feature::kSteepExtinction, s.transfer->steep)
       .with(Feature::kClipLight, s.clip.light_count > 0);
 }
@@ -103,6 +126,8 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
   // The nearest fp32 numbers inside (-1, 1): at exactly 1 the phase function has no density.
   constexpr float kMostForward = 0x1.fffffep-1f;
   out.phase_g = std::clamp(static_cast<float>(scene.phase().g()), -kMostForward, kMostForward);
+  out.surfaces = surfaces_of(scene);
+  out.bounces = std::max(scene.bounces(), 1u);
   out.escape = scene.display().show_environment() ? out.environment
                                                   : colour_of(scene.display().background());
   out.exposure_scale = static_cast<float>(std::exp2(scene.display().exposure()));

@@ -31,6 +31,8 @@ struct PreparedScene {
   SlicesView slices{};
   bool matter = true;  ///< false: nothing but slices, no ray is traced
   float phase_g = 0;
+  float surfaces = 0;         ///< SceneView::surfaces
+  std::uint32_t bounces = 1;  ///< SceneView::bounces
   Float3 escape{};
   Canvas canvas;
   Float3 spacing{};          ///< mm
@@ -44,7 +46,8 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
                                     const PreparedScene* before = nullptr,
                                     const diaphane::v1::Scene* before_scene = nullptr);
 
-/// The view of a prepared scene over an executor's copies of its arrays.
+/// The view of a prepared scene over an executor's copies of its arrays; where it has tables of
+/// gloss and emission the caller sets their pointers in the view.
 template <typename Volume>
 SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, const float* extinction,
                           const Float4* colour, const CellBounds* bounds, const AreaLight* lights,
@@ -62,6 +65,9 @@ SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, cons
       .clip = scene.clip,
       .slices = scene.slices,
       .phase_g = scene.phase_g,
+      .surfaces = scene.surfaces,
+      .bounces = scene.bounces,
+      .roulette = true,
       .escape = scene.escape,
       .width = scene.canvas.width,
       .height = scene.canvas.height,

@@ -125,9 +125,12 @@ class Prepared {
   const volume::Volume& volume() const { return volume_; }
   SceneView<LinearVolume> view(std::uint64_t seed = 1) const {
     const PreparedTransfer& t = *scene_.transfer;
-    return view_of(scene_, LinearVolume{volume_.voxels.data(), size_of(volume_.header)},
-                   t.extinction.data(), t.colour.data(), t.bounds.data(), scene_.lights.data(),
-                   seed);
+    SceneView<LinearVolume> view =
+        view_of(scene_, LinearVolume{volume_.voxels.data(), size_of(volume_.header)},
+                t.extinction.data(), t.colour.data(), t.bounds.data(), scene_.lights.data(), seed);
+    if (!t.gloss.empty()) view.transfer.gloss = t.gloss.data();
+    if (!t.emission.empty()) view.transfer.emission = t.emission.data();
+    return view;
   }
 
  private:

@@ -115,7 +115,27 @@ void bake(const diaphane::v1::TransferFunction& function, double minimum, double
     out.extinction[node] = static_cast<float>(m.opacity * function.extinction_per_mm());
     const Float3 c = to_float(m.weighted_albedo);
     out.colour[node] = {c.x, c.y, c.z, static_cast<float>(m.weight)};
+    if (!out.gloss.empty()) {
+      const Float3 s = to_float(m.weighted_specular);
+      out.gloss[node] = {s.x, s.y, s.z, static_cast<float>(m.weighted_gloss)};
+    }
+    if (!out.emission.empty()) {
+      const Float3 e = to_float(m.weighted_emission);
+      out.emission[node] = {e.x, e.y, e.z, static_cast<float>(m.weight)};
+    }
   }
+}
+
+Double3 colour_of(const diaphane::v1::Rgb& c) { return {c.r(), c.g(), c.b()}; }
+
+/// Whether a channel that is not disabled has some of the colour that `colour` gives.
+template <typename Colour>
+bool has_some(const diaphane::v1::TransferFunction& function, const Colour& colour) {
+  return std::any_of(function.channels().begin(), function.channels().end(),
+                     [&](const diaphane::v1::Channel& channel) {
+                       const Double3 c = colour_of(colour(channel));
+                       return !channel.disabled() && (c.x > 0 || c.y > 0 || c.z > 0);
+                     });
 }
 
 /// What rounding in fp32 can put an interpolated value outside the range of its voxels, in nodes.
@@ -173,10 +193,12 @@ Material material_at(const diaphane::v1::TransferFunction& function, double valu
   for (const auto& channel : function.channels()) {
     if (channel.disabled()) continue;
     const double opacity = opacity_of(channel, value);
-    const auto& c = channel.diffuse();
     m.opacity = std::max(m.opacity, opacity);
-    m.weighted_albedo += Double3{c.r(), c.g(), c.b()} * opacity;
+    m.weighted_albedo += colour_of(channel.diffuse()) * opacity;
     m.weight += opacity;
+    m.weighted_specular += colour_of(channel.specular()) * opacity;
+    m.weighted_gloss += channel.gloss() * opacity;
+    m.weighted_emission += colour_of(channel.emission()) * opacity;
   }
   return m;
 }
@@ -191,6 +213,12 @@ PreparedTransfer prepare_transfer(const diaphane::v1::TransferFunction& function
   out.extinction.resize(std::max<std::size_t>(count, 2));
   out.count = static_cast<std::int32_t>(out.extinction.size());
   out.colour.resize(out.extinction.size());
+  if (has_some(function, [](const auto& channel) { return channel.specular(); })) {
+    out.gloss.resize(out.extinction.size());
+  }
+  if (has_some(function, [](const auto& channel) { return channel.emission(); })) {
+    out.emission.resize(out.extinction.size());
+  }
   out.scale = static_cast<float>(k);
   out.offset = static_cast<float>(-minimum * k);
   out.cells = grid.cells;

@@ -14,6 +14,8 @@ namespace diaphane::render {
 struct PreparedTransfer {
   std::vector<float> extinction;  ///< TransferView::extinction, with its maxima
   std::vector<Float4> colour;     ///< TransferView::colour, `count` long
+  std::vector<Float4> gloss;      ///< TransferView::gloss; empty when no channel has a lobe
+  std::vector<Float4> emission;   ///< TransferView::emission; empty when none glows
   std::int32_t count = 0;         ///< TransferView, and the three below
   float scale = 0, offset = 0, margin = 0;
   bool steep = false;              ///< needs Feature::kSteepExtinction
@@ -27,6 +29,10 @@ struct Material {
   double opacity = 0;         ///< the largest of the channels'
   Double3 weighted_albedo{};  ///< sum of opacity times albedo
   double weight = 0;          ///< sum of the opacities
+  // Sums of opacity times each.
+  Double3 weighted_specular{};
+  double weighted_gloss = 0;
+  Double3 weighted_emission{};
 };
 Material material_at(const diaphane::v1::TransferFunction& function, double value);
 

@@ -1,0 +1,139 @@
+#pragma once
+
+#include "renderd/kernel/phase.h"
+#include "renderd/math/vector.h"
+
+// How a surface reflects: Lambert under a GGX microfacet lobe (Walter et al. 2007; Smith's
+// height-correlated masking: Heitz 2014; visible normals by spherical caps: Dupuy and Benyoub
+// 2023). Functions of unit directions that point away from the surface, to the viewer's side of it.
+//
+// Fresnel by Schlick, its value at grazing incidence min(1, 50 F0), so that no lobe is the limit of
+// a faint one. What the lobe does not reflect goes on to the Lambert part, in and out:
+// (1 - F(view)) (1 - F(light)) diffuse / pi. That is reciprocal, and with a white diffuse colour
+// the surface reflects at most all light. What is lost is what light scattered twice between facets
+// would give, and up to 1/21 of the light that enters, because the view's and the light's factor
+// are taken alone (Ashikhmin and Shirley 2000 divide by their mean; that would exceed 1).
+
+namespace diaphane::render {
+
+struct Brdf {
+  Float3 normal;    ///< unit, mm, turned to the viewer
+  Float3 viewer;    ///< unit, mm, towards where the path came from
+  Float3 diffuse;   ///< reflectance
+  Float3 specular;  ///< reflectance of the lobe at normal incidence; black: no lobe
+  float roughness;  ///< GGX alpha, at least kLeastRoughness with a lobe
+};
+
+/// Below it the peak of the lobe is beyond what fp32 directions resolve.
+inline constexpr float kLeastRoughness = 1e-3f;
+
+HOST_DEVICE float largest(Float3 a) { return larger(a.x, larger(a.y, a.z)); }
+
+HOST_DEVICE Float3 fresnel(Float3 at_normal, float cosine) {
+  const float m = larger(1.0f - cosine, 0.0f);
+  const float m2 = m * m;
+  const float k = m2 * m2 * m;
+  const auto one = [k](float f) { return f + (smaller(1.0f, 50.0f * f) - f) * k; };
+  return {one(at_normal.x), one(at_normal.y), one(at_normal.z)};
+}
+
+/// Distribution of the facets' normals, per steradian and projected area. The sine comes from the
+/// cross product: 1 - cos^2 would have no digits left in a narrow lobe.
+HOST_DEVICE float ggx(float roughness, Float3 normal, Float3 facet) {
+  const Float3 c = cross(normal, facet);
+  const float a2 = roughness * roughness;
+  const float cosine = dot(normal, facet);
+  const float d = dot(c, c) + a2 * cosine * cosine;
+  return a2 / (kPi * d * d);
+}
+
+/// sqrt(a^2 + (1 - a^2) cos^2) of Smith's masking.
+HOST_DEVICE float ggx_masking(float roughness, float cosine) {
+  const float a2 = roughness * roughness;
+  return sqrtf(a2 + (1.0f - a2) * cosine * cosine);
+}
+
+/// The share of samples that the lobe gets.
+HOST_DEVICE float lobe_share(const Brdf& b, float cosine) {
+  const Float3 f = fresnel(b.specular, cosine);
+  const float lobe = largest(f);
+  const float rest = largest(b.diffuse * (Float3{1.0f, 1.0f, 1.0f} - f));
+  return lobe > 0.0f ? lobe / (lobe + rest) : 0.0f;
+}
+
+/// A normal of a facet that the viewer sees, so distributed.
+HOST_DEVICE Float3 sample_visible_normal(const Brdf& b, float u, float v) {
+  Float3 s, t;
+  basis_around(b.normal, s, t);
+  const float a = b.roughness;
+  const Float3 view = normalize(
+      Float3{a * dot(b.viewer, s), a * dot(b.viewer, t), larger(dot(b.viewer, b.normal), 0.0f)});
+  const float z = (1.0f - v) * (1.0f + view.z) - view.z;
+  const float sine = sqrtf(larger(1.0f - z * z, 0.0f));
+  const float angle = 2.0f * kPi * u;
+  const Float3 h{sine * cosf(angle) + view.x, sine * sinf(angle) + view.y, z + view.z};
+  return normalize(s * (a * h.x) + t * (a * h.y) + b.normal * larger(h.z, 1e-7f));
+}
+
+/// The BRDF times the cosine, per steradian. `Lobe`: there may be one.
+template <bool Lobe>
+HOST_DEVICE Float3 evaluate_brdf(const Brdf& b, Float3 light) {
+  const float out = dot(b.normal, light);
+  if (!(out > 0.0f)) return {0.0f, 0.0f, 0.0f};
+  const Float3 lambert = b.diffuse * (out * (1.0f / kPi));
+  if constexpr (!Lobe) {
+    return lambert;
+  } else {
+    if (!(largest(b.specular) > 0.0f)) return lambert;
+    const float in = larger(dot(b.normal, b.viewer), 1e-6f);
+    const Float3 one{1.0f, 1.0f, 1.0f};
+    const Float3 below =
+        lambert * (one - fresnel(b.specular, in)) * (one - fresnel(b.specular, out));
+    const Float3 facet = normalize(b.viewer + light);
+    const float lobe = 0.5f * out * ggx(b.roughness, b.normal, facet) /
+                       (out * ggx_masking(b.roughness, in) + in * ggx_masking(b.roughness, out));
+    return below + fresnel(b.specular, dot(b.viewer, facet)) * lobe;
+  }
+}
+
+/// Of sample_brdf in the direction `light`, per steradian. Its integral is below 1 where the lobe
+/// is wide: a path that goes below the surface ends.
+template <bool Lobe>
+HOST_DEVICE float brdf_density(const Brdf& b, Float3 light) {
+  const float out = dot(b.normal, light);
+  if (!(out > 0.0f)) return 0.0f;
+  const float lambert = out * (1.0f / kPi);
+  if constexpr (!Lobe) {
+    return lambert;
+  } else {
+    if (!(largest(b.specular) > 0.0f)) return lambert;
+    const float in = larger(dot(b.normal, b.viewer), 1e-6f);
+    const float share = lobe_share(b, in);
+    const Float3 facet = normalize(b.viewer + light);
+    const float lobe =
+        0.5f * ggx(b.roughness, b.normal, facet) / (in + ggx_masking(b.roughness, in));
+    return lambert + share * (lobe - lambert);
+  }
+}
+
+/// A direction for the path to go on; below the surface (the path ends there) only by the lobe.
+template <bool Lobe>
+HOST_DEVICE Float3 sample_brdf(const Brdf& b, float u, float v) {
+  if constexpr (Lobe) {
+    if (largest(b.specular) > 0.0f) {
+      const float share = lobe_share(b, larger(dot(b.normal, b.viewer), 1e-6f));
+      if (u < share) {
+        const Float3 facet = sample_visible_normal(b, u / share, v);
+        return normalize(facet * (2.0f * dot(b.viewer, facet)) - b.viewer);
+      }
+      u = (u - share) / (1.0f - share);
+    }
+  }
+  u = smaller(larger(u, 0.0f), 0x1.fffffep-1f);
+  Float3 s, t;
+  basis_around(b.normal, s, t);
+  const float r = sqrtf(u), angle = 2.0f * kPi * v;
+  return s * (r * cosf(angle)) + t * (r * sinf(angle)) + b.normal * sqrtf(1.0f - u);
+}
+
+}  // namespace diaphane::render
