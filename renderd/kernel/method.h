@@ -24,6 +24,7 @@ struct Method {
   Walk walk = Walk::kAuto;
   bool low_discrepancy = true;  ///< false: independent points instead (math/points.h)
   Mis mis = Mis::kBoth;
+  bool roulette = true;  ///< false: paths of little weight go on to their last collision
 
   bool operator==(const Method&) const = default;
 };

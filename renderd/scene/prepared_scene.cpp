@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "renderd/scene/camera.h"
 #include "renderd/scene/clip_slices.h"

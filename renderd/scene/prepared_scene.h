@@ -67,7 +67,7 @@ SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, cons
       .phase_g = scene.phase_g,
       .surfaces = scene.surfaces,
       .bounces = scene.bounces,
-      .roulette = true,
+      .roulette = method.roulette,
       .escape = scene.escape,
       .width = scene.canvas.width,
       .height = scene.canvas.height,
