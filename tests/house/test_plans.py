@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
-from house import contracts, filelint, linkrules, logfiles, packages, plan, ports, testing, venv  # noqa: E402
+from house import contracts, filelint, gpu, linkrules, logfiles, packages, plan, ports, testing, venv  # noqa: E402
 from house.layout import Layout  # noqa: E402
 from house.linkrules import PROGRAM, Graph  # noqa: E402
 
@@ -208,3 +209,36 @@ def test_pytest_cases_are_counted_by_their_results():
     ((22, 13), True), ((23, 11), False), ((24, 0), True), ((26, 1), True)])
 def test_a_node_is_taken_only_where_the_tools_of_the_page_run_on_it(version: tuple[int, ...], enough: bool):
     assert venv.new_enough(version) == enough
+
+
+# GPU
+
+class Driver:
+    """libcuda with given answers."""
+
+    def __init__(self, init: int = 0, count_code: int = 0, devices: int = 0):
+        self.cuInit = lambda flags: init
+        self.count_code_, self.devices_ = count_code, devices
+
+    def cuDeviceGetCount(self, count) -> int:
+        count._obj.value = self.devices_
+        return self.count_code_
+
+
+@pytest.mark.parametrize("driver, said", [
+    (Driver(devices=1), ""), (Driver(devices=0), "finds no device"), (Driver(init=100), "does not start (CUDA error 100)"),
+    (Driver(count_code=3), "does not answer (CUDA error 3)")])
+def test_the_absence_of_a_gpu_is_said_with_its_reason(driver: Driver, said: str):
+    why = gpu.absence(load=lambda name: driver)
+    assert said in why and bool(why) == bool(said)
+
+
+def test_without_a_driver_testing_the_gpu_fails_at_once_and_says_why(monkeypatch, capsys):
+    def no_driver(name: str):
+        raise OSError(name)
+
+    monkeypatch.setattr(gpu, "absence", functools.partial(gpu.absence, no_driver))
+    monkeypatch.setattr(testing, "_build", lambda kind: pytest.fail("built something"))
+    assert testing.run("gpu") == 1
+    said = capsys.readouterr()
+    assert "there is no GPU to test on: no driver of NVIDIA's is installed" in said.err

@@ -13,6 +13,9 @@ from .says import HouseError, say, warn
 
 def main(arguments: list[str]) -> int:
     parser = _parser()
+    if not arguments:
+        parser.print_help()
+        return 2
     options, rest = parser.parse_known_args(arguments)
     if rest and not getattr(options, "takes_rest", False):
         parser.error(f"unknown: {' '.join(rest)}")
@@ -60,7 +63,8 @@ def _parser() -> argparse.ArgumentParser:
     check = command("check", _check, "format, clang-tidy, link rules, types, lint, contracts")
     check.add_argument("--fix", action="store_true", help="let clang-format and eslint mend what they can")
     check.add_argument("--only", metavar="NAME", action="append", help="only this check (repeatable)")
-    with_data(command("sample", _sample, "load the sample scan into a running Diaphane again", rest=True))
+    with_data(command("sample", _sample, "load the sample scan once more; --write-dicom FOLDER: write it as a scanner would",
+                      rest=True))
     command("scan", _tool("diaphane-scan"), "FOLDER [--json]: the series in a folder, and which are suitable", rest=True)
     command("render", _tool("diaphane-render"), "INPUT ...: render a picture without a server (--help)", rest=True)
     bench = command("bench", _bench, "measure; without a name: which measurements there are")

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable
 
-from . import build, install, paths
+from . import build, gpu, install, paths
 from .says import HouseError, say, step, warn
 
 
@@ -79,6 +79,9 @@ def run(kind: str | None, may_install: bool = True, with_checks: bool = False) -
 
 
 def _prepare(kind: str | None, may_install: bool) -> None:
+    # Else every test of it would be skipped, which looks like success.
+    if kind == "gpu" and (why := gpu.absence()):
+        raise HouseError(f"there is no GPU to test on: {why}")
     # On a machine that has a GPU and nothing else, the renderer's tests are brought along (DIAPHANE_BUILD).
     if kind != "gpu" or "DIAPHANE_BUILD" not in os.environ:
         install.ensure("test", may_install)
