@@ -20,6 +20,7 @@ Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::strin
     case ErrorCode::kNotFound:
       return no_such_session();
     case ErrorCode::kUnavailable:
+      if (!placement_.reachable()) return refuse(placed.error());  // no word about renderers then
       return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));
     default:
       return refuse(placed.error());

@@ -20,7 +20,8 @@ class Sessions {
   Sessions(DataSets& data_sets, Placement& placement)
       : data_sets_(data_sets), placement_(placement) {}
 
-  /// kNotFound, kNotReady (the data set); kNoWorker; kTooMany; kIdempotencyKeyReused.
+  /// kNotFound, kNotReady (the data set); kNoWorker; kUnavailable (Redis); kTooMany;
+  /// kIdempotencyKeyReused.
   Outcome<Stream> open(const Principal& who, const std::string& data_set_id,
                        const std::string& idempotency_key);
   Outcome<std::vector<SessionInfo>> list(const Principal& who);

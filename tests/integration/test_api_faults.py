@@ -58,7 +58,7 @@ def test_without_redis_only_sessions_are_away(stack, one):
     made = one.upload(b"x" * 100)["id"]
     make_ready(stack, made)
     stack.stop("redis")
-    problem(one.http.post("/v1/sessions", json={"data_set_id": made}), 503, "no-worker")
+    problem(one.http.post("/v1/sessions", json={"data_set_id": made}), 503, "unavailable")
     problem(one.http.get("/v1/sessions"), 503, "unavailable")
     assert one.http.get("/v1/me").status_code == 200
     assert one.data_set(100)

@@ -32,7 +32,7 @@ const reasons: Record<Reason, (n: number) => string> = {
 const troubles: Record<Trouble, string> = {
   lost: "Connection lost. Coming back…",
   worker_lost: "The renderer went away. Coming back…",
-  no_worker: "All renderers are busy. Trying again…",
+  no_worker: "No renderer is free just now. Trying again…",
   unreachable: "Diaphane cannot be reached. Trying again…",
   refused: "Something went wrong on the way. Trying again…",
   not_ready: "This scan is still being built. Its picture will come by itself.",
@@ -63,6 +63,7 @@ export const t = {
   loading: "Loading…",
   problems: {
     offline: "Diaphane cannot be reached. Check your connection and try again.",
+    unreachable: "Diaphane cannot be reached. Trying again…",
     busy: "Diaphane is busy. Try again in a moment.",
     internal: "Something went wrong on our side. Try again in a moment.",
     wrong_credentials: "This address and password do not belong together.",

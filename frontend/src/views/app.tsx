@@ -27,7 +27,7 @@ function Page() {
       <Shell>
         <div class="page page-narrow">
           <PageTitle text={t.name} />
-          <Notice kind="bad">{t.problems.offline}</Notice>
+          <Notice kind="bad">{t.problems.unreachable}</Notice>
           <p><button type="button" class="button" onClick={() => void app.load()}>{t.try_again}</button></p>
         </div>
       </Shell>

@@ -6,21 +6,26 @@ import type { Me } from "../api/types";
 import { Uploads } from "../api/uploads";
 import { t } from "../texts/en";
 
+const asked_again_after_ms = 2000;
+
 /** What all pages share. */
 export class AppState {
   readonly api = new Api();
   readonly uploads = new Uploads(this.api);
   /** Nothing: nobody is signed in. Undefined: not known yet. */
   readonly me = signal<Me | null | undefined>(undefined);
-  /** The first question could not be answered. */
+  /** The first question could not be answered yet; it is asked again and again. */
   readonly unreachable = signal(false);
+  private again_: ReturnType<typeof setTimeout> | undefined;
 
   async load(): Promise<void> {
-    this.unreachable.value = false;
+    clearTimeout(this.again_);
     try {
       this.me.value = await this.api.me();
+      this.unreachable.value = false;
     } catch {
       this.unreachable.value = true;
+      this.again_ = setTimeout(() => void this.load(), asked_again_after_ms);
     }
   }
 

@@ -1,0 +1,57 @@
+"""kill -9 of what the picture's renderer does not need, while a picture is shown (the renderer's own: test_whole_way.py)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import expect
+
+from harness import StackHouse, TestStack
+from person import Person
+from picture import difference, drag, facts, pixels, wait_for_samples
+
+ENOUGH = 6  # samples a pixel
+SAID = "Diaphane cannot be reached. Trying again…"
+
+
+@pytest.fixture(scope="module")
+def shaken(stack_house: StackHouse):
+    stack = stack_house.open()
+    yield stack
+    stack_house.shut(stack)
+
+
+@pytest.mark.parametrize("program", ["api", "redis", "postgres"])
+def test_a_killed_program_is_said_and_when_it_is_back_all_goes_on_by_itself(shaken: TestStack, visit, cranium: Path, program: str, request):
+    stack = shaken
+    person = Person.arrives(stack, visit(), "anna")
+    page = person.page
+    scan = person.has_scan(cranium, "Head")
+    person.open_scan("Head")
+    wait_for_samples(stack, page, 2)
+
+    request.addfinalizer(lambda: stack.start(program))
+    stack.kill(program, restart=False)
+    if program == "api":
+        expect(page.get_by_role("status").get_by_text(SAID)).to_be_visible()
+    drag(page, -260, 40)  # without Redis or Postgres the picture follows; without api, when that is back
+    at = facts(page)
+    if program != "api":
+        wait_for_samples(stack, page, ENOUGH, input_seq=at.input_seq + 1)
+        expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")
+    late = page.context.new_page()
+    late.goto(f"{stack.url}/view/{scan}")
+    expect(late.get_by_text(SAID)).to_be_visible()
+
+    stack.start(program)
+    expect(late.locator(".viewer-status")).to_have_attribute("data-phase", "live")
+    late.close()
+    expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")
+    turned = wait_for_samples(stack, page, ENOUGH, input_seq=at.input_seq + 1)
+    seen = pixels(page)
+    page.reload()
+    wait_for_samples(stack, page, ENOUGH, input_seq=turned.input_seq)
+    assert difference(seen, pixels(page)) < 3
+    page.get_by_role("link", name="My scans").click()
+    expect(person.card("Head")).to_have_attribute("data-state", "ready")
