@@ -105,6 +105,12 @@ class CpuFrameRenderer final : public FrameRenderer {
     return {};
   }
 
+  Result<void> contents(std::vector<std::uint8_t>& out) override {
+    if (!picture_) return no_scene();
+    picture_->film.contents(out);
+    return {};
+  }
+
   std::vector<std::string> features() const override {
     std::vector<std::string> names;
     for (std::uint32_t i = 0; picture_ && i < kFeatureCount; ++i) {

@@ -98,4 +98,11 @@ void CpuFilm::radiance(PictureRgbF& out) const {
   }
 }
 
+void CpuFilm::contents(std::vector<std::uint8_t>& out) const {
+  out.resize(pixels_of(size_));
+  for (std::size_t pixel = 0; pixel < out.size(); ++pixel) {
+    out[pixel] = (state_[pixel] & kMetMatter) != 0 ? 1 : 0;
+  }
+}
+
 }  // namespace diaphane::render

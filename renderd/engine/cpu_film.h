@@ -28,6 +28,7 @@ class CpuFilm {
   double error() const;
   void display(float scale, PictureRgb8& out) const;
   void radiance(PictureRgbF& out) const;
+  void contents(std::vector<std::uint8_t>& out) const;
 
  private:
   ConstFilmView view() const { return {sum_.data(), difference_.data(), state_.data()}; }

@@ -85,4 +85,11 @@ Result<void> CudaFilm::radiance(float* rgb, cudaStream_t stream) const {
   return download(rgb, *made, 3 * pixels(), stream);
 }
 
+Result<void> CudaFilm::contents(std::uint8_t* met, cudaStream_t stream) const {
+  std::vector<std::uint32_t> state(pixels());
+  DIAPHANE_TRY(download(state.data(), state_, state.size(), stream));
+  for (std::uint64_t i = 0; i < state.size(); ++i) met[i] = (state[i] & kMetMatter) != 0 ? 1 : 0;
+  return {};
+}
+
 }  // namespace diaphane::render::cuda

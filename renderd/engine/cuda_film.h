@@ -31,6 +31,8 @@ class CudaFilm {
   Result<double> error(cudaStream_t stream) const;
   Result<void> display(float scale, std::uint8_t* rgb, cudaStream_t stream) const;
   Result<void> radiance(float* rgb, cudaStream_t stream) const;
+  /// 1 where matter was met, else 0.
+  Result<void> contents(std::uint8_t* met, cudaStream_t stream) const;
 
  private:
   ConstFilmView view() const { return {sum_.data(), difference_.data(), state_.data()}; }

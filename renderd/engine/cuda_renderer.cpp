@@ -219,6 +219,12 @@ Result<void> CudaRenderer::radiance(PictureRgbF& out) {
   return film_->radiance(out.pixels.data(), stream_.get());
 }
 
+Result<void> CudaRenderer::contents(std::vector<std::uint8_t>& out) {
+  if (!film_) return no_scene();
+  out.resize(film_->pixels());
+  return film_->contents(out.data(), stream_.get());
+}
+
 std::vector<std::string> CudaRenderer::features() const {
   std::vector<std::string> names;
   for (std::uint32_t i = 0; i < kFeatureCount; ++i) {

@@ -28,6 +28,7 @@ class CudaRenderer : public FrameRenderer {
   Progress progress() const override;
   Result<void> display(PictureRgb8& out) override;
   Result<void> radiance(PictureRgbF& out) override;
+  Result<void> contents(std::vector<std::uint8_t>& out) override;
   std::vector<std::string> features() const override;
 
  private:

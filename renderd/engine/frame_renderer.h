@@ -72,6 +72,9 @@ class FrameRenderer {
   /// Tone-mapped picture of what is accumulated.
   virtual Result<void> display(PictureRgb8& out) = 0;
   virtual Result<void> radiance(PictureRgbF& out) = 0;
+  /// Which pixels' camera rays met contents of the volume so far, 1 or 0 a pixel, rows from the
+  /// top: those that the error counts.
+  virtual Result<void> contents(std::vector<std::uint8_t>& out) = 0;
   /// Names of the features compiled in for this scene, for reports.
   virtual std::vector<std::string> features() const = 0;
 };

@@ -73,6 +73,9 @@ class FakeRenderer final : public FrameRenderer {
   Result<void> radiance(PictureRgbF&) override {
     return fail(ErrorCode::kUnsupported, "not by the fake");
   }
+  Result<void> contents(std::vector<std::uint8_t>&) override {
+    return fail(ErrorCode::kUnsupported, "not by the fake");
+  }
   std::vector<std::string> features() const override { return {}; }
 
  private:

@@ -1,0 +1,220 @@
+#include "renderd/bench/convergence.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace diaphane::render::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// One picture from an empty film.
+struct Shot {
+  double milliseconds = 0;
+  double estimate = 0;
+  double rmse = 0;  ///< with the reference's noise in it
+  std::uint64_t dropped = 0;
+  std::uint64_t non_finite = 0;
+};
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+}
+
+double deviation(const std::vector<double>& values) {
+  if (values.size() < 2) return 0;
+  double mean = 0, squared = 0;
+  for (const double x : values) mean += x / static_cast<double>(values.size());
+  for (const double x : values) squared += (x - mean) * (x - mean);
+  return std::sqrt(squared / static_cast<double>(values.size() - 1));
+}
+
+double root_mean_square(const std::vector<double>& values) {
+  double squared = 0;
+  for (const double x : values) squared += x * x;
+  return std::sqrt(squared / static_cast<double>(values.size()));
+}
+
+Result<void> warm_up(FrameRenderer& renderer, double seconds) {
+  const auto begin = Clock::now();
+  do {
+    if (auto batch = renderer.render(1, [] { return false; }); !batch) {
+      return tl::unexpected(batch.error());
+    }
+  } while (seconds_since(begin) < seconds);
+  return {};
+}
+
+Result<std::unique_ptr<FrameRenderer>> renderer_of(const Subject& subject, std::uint64_t seed,
+                                                   Method method) {
+  auto renderer = subject.engine->renderer(subject.volume, seed, 0, method);
+  if (!renderer) return renderer;
+  if (auto set = (*renderer)->set_scene(subject.scene, subject.canvas); !set) {
+    return tl::unexpected(set.error());
+  }
+  return renderer;
+}
+
+/// The smallest error that a choice will show, as it estimates it itself.
+Result<double> smallest_error(const Subject& subject, const ConvergenceWish& wish, Method method) {
+  auto renderer = renderer_of(subject, 0, method);
+  if (!renderer) return tl::unexpected(renderer.error());
+  auto batch = (*renderer)->render(std::max(wish.most, 2u), [] { return false; });
+  if (!batch) return tl::unexpected(batch.error());
+  return (*renderer)->progress().error;
+}
+
+Result<Shot> shoot(FrameRenderer& renderer, const Subject& subject, std::uint32_t samples,
+                   const Reference& reference) {
+  if (auto set = renderer.set_scene(subject.scene, subject.canvas); !set) {
+    return tl::unexpected(set.error());
+  }
+  Shot shot;
+  const auto begin = Clock::now();
+  auto batch = renderer.render(samples, [] { return false; });
+  shot.milliseconds = seconds_since(begin) * 1e3;
+  if (!batch) return tl::unexpected(batch.error());
+  shot.dropped = batch->dropped_samples;
+  shot.estimate = renderer.progress().error;
+  PictureRgbF picture;
+  if (auto done = renderer.radiance(picture); !done) return tl::unexpected(done.error());
+  const PictureError error = error_against(reference, picture);
+  shot.rmse = error.rmse;
+  shot.non_finite = error.non_finite;
+  return shot;
+}
+
+CurvePoint summarise(std::uint32_t samples, const std::vector<Shot>& shots,
+                     const Reference& reference) {
+  CurvePoint point;
+  point.samples = samples;
+  std::vector<double> milliseconds, rmse, estimate;
+  for (const Shot& shot : shots) {
+    milliseconds.push_back(shot.milliseconds);
+    rmse.push_back(shot.rmse);
+    estimate.push_back(shot.estimate);
+    point.dropped += shot.dropped;
+    point.non_finite += shot.non_finite;
+  }
+  point.milliseconds = median(milliseconds);
+  point.milliseconds_spread = deviation(milliseconds);
+  point.rmse = without_noise_of(reference, root_mean_square(rmse));
+  point.rmse_spread = deviation(rmse);
+  point.estimate = root_mean_square(estimate);
+  return point;
+}
+
+/// Fills a curve; repetition by repetition, so that what else the machine does in some minute is
+/// spread over all numbers of samples.
+Result<void> measure(const Subject& subject, const ConvergenceWish& wish,
+                     const Reference& reference, Curve& curve) {
+  std::vector<std::vector<Shot>> shots;
+  for (std::uint32_t repeat = 0; repeat < wish.repeats; ++repeat) {
+    auto renderer = renderer_of(subject, 1 + repeat, curve.method);
+    if (!renderer) return tl::unexpected(renderer.error());
+    if (auto warm = warm_up(**renderer, repeat == 0 ? wish.warm_up : 0); !warm) return warm;
+    std::size_t power = 0;
+    for (std::uint32_t n = 1; n <= wish.most; n *= 2, ++power) {
+      auto shot = shoot(**renderer, subject, n, reference);
+      if (!shot) return tl::unexpected(shot.error());
+      if (repeat == 0) shots.emplace_back();
+      shots[power].push_back(*shot);
+    }
+    curve.features = (*renderer)->features();
+  }
+  for (std::size_t power = 0; power < shots.size(); ++power) {
+    curve.points.push_back(summarise(1u << power, shots[power], reference));
+  }
+  return {};
+}
+
+std::string in_words(const char* form, double a, double b) {
+  char text[160];
+  std::snprintf(text, sizeof text, form, a, b);
+  return text;
+}
+
+bool usable(double error) { return std::isfinite(error) && error > 0; }
+
+}  // namespace
+
+Result<Convergence> measure_convergence(const Subject& subject, const ConvergenceWish& wish) {
+  const auto say = [&](const std::string& words) {
+    if (wish.say) wish.say(words);
+  };
+  Convergence result;
+  // How good the reference must be follows from what it is to judge.
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Method& method : wish.methods) {
+    Curve curve{method, {}, {}, {}};
+    const auto error = smallest_error(subject, wish, method);
+    if (error) {
+      if (usable(*error)) smallest = std::min(smallest, *error);
+    } else if (error.error().code == ErrorCode::kUnsupported) {
+      curve.left_out = error.error().message;
+    } else {
+      return tl::unexpected(error.error());
+    }
+    result.curves.push_back(std::move(curve));
+  }
+  const double wanted = std::isfinite(smallest) ? wish.reference_share * smallest : 0.0;
+  say(in_words("smallest estimated error %.3g: reference to %.3g", smallest, wanted));
+  auto reference = reference_of(
+      subject, {wanted, wish.reference_seconds, wish.cache, wish.fresh, [&](const Reference& r) {
+                  say(in_words("reference: %.0f samples, its own error %.3g", r.samples, r.error));
+                }});
+  if (!reference) return tl::unexpected(reference.error());
+  result.reference = *std::move(reference);
+  for (Curve& curve : result.curves) {
+    if (curve.left_out) continue;
+    if (auto done = measure(subject, wish, result.reference, curve); !done) {
+      return tl::unexpected(done.error());
+    }
+  }
+  return result;
+}
+
+std::optional<double> slope(const Curve& curve, double CurvePoint::*error, std::uint32_t from) {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (const CurvePoint& point : curve.points) {
+    if (point.samples < from || !usable(point.*error)) continue;
+    const double a = std::log(point.samples), b = std::log(point.*error);
+    n += 1;
+    x += a;
+    y += b;
+    xx += a * a;
+    xy += a * b;
+  }
+  if (n < 3) return std::nullopt;
+  return (n * xy - x * y) / (n * xx - x * x);
+}
+
+std::optional<Crossing> crossing(const Curve& curve, double error) {
+  std::vector<CurvePoint> points;
+  for (const CurvePoint& point : curve.points) {
+    if (usable(point.rmse)) points.push_back(point);
+  }
+  if (points.size() < 2) return std::nullopt;
+  if (points[0].rmse <= error) {
+    return Crossing{double{1} * points[0].samples, points[0].milliseconds, Crossing::How::kFirst};
+  }
+  std::size_t above = 0;
+  while (above + 2 < points.size() && points[above + 1].rmse > error) ++above;
+  const CurvePoint &a = points[above], &b = points[above + 1];
+  const double t = std::log(a.rmse / error) / std::log(a.rmse / b.rmse);
+  if (!(t >= 0) || !std::isfinite(t)) return std::nullopt;  // it does not fall
+  const auto between = [t](double from, double to) { return from * std::pow(to / from, t); };
+  return Crossing{between(a.samples, b.samples), between(a.milliseconds, b.milliseconds),
+                  t > 1 ? Crossing::How::kProlonged : Crossing::How::kBetween};
+}
+
+}  // namespace diaphane::render::bench

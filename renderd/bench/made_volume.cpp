@@ -1,0 +1,52 @@
+#include "renderd/bench/made_volume.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderd/math/random.h"
+
+namespace diaphane::render::bench {
+namespace {
+
+constexpr double kExtent = 244.992;                 // mm, along x and y
+constexpr double kHeight = kExtent * 0.6612244898;  // along z
+
+/// 0 to 1 for a place in units of the volume's extent, from -1 to 1 along each axis.
+double head(double x, double y, double z) {
+  const double r = std::sqrt(x * x / 0.58 + y * y / 0.72 + z * z / 0.82);
+  const double shell = 1 - std::abs(r - 0.9) / 0.07;
+  const double opening = std::hypot(x - 0.3, z - 0.1) < 0.2 && y > 0 ? 1 : 0;
+  const double jaw = z < -0.45 && r < 0.85 ? std::sin(38 * x) * std::sin(33 * y) * 2 - 0.7 : 0;
+  const double vessel = 1 - std::abs(std::hypot(x - 0.3 * std::sin(5 * z), y - 0.25) - 0.35) / 0.02;
+  const double lump = 1.2 - std::hypot(x + 0.25, y - 0.1, z) / 0.16;
+  return std::max({shell * (1 - opening), jaw, r < 0.8 ? 0.5 * vessel : 0.0, lump, 0.0});
+}
+
+}  // namespace
+
+volume::Volume made_volume(std::uint32_t n) {
+  volume::Volume v;
+  v.header.size = {n, n, std::max(1u, n * 27 / 64)};
+  for (std::size_t i = 0; i < 3; ++i) {
+    v.header.spacing[i] = (i == 2 ? kHeight : kExtent) / v.header.size[i];
+  }
+  v.voxels.reserve(v.header.voxel_count());
+  const auto along = [&](std::uint32_t i, std::size_t axis) {
+    return 2 * (i + 0.5) / v.header.size[axis] - 1;
+  };
+  for (std::uint32_t z = 0; z < v.header.size[2]; ++z) {
+    for (std::uint32_t y = 0; y < n; ++y) {
+      Random random(1, y, z);
+      for (std::uint32_t x = 0; x < n; ++x) {
+        const double solid = head(along(x, 0), along(y, 1), along(z, 2));
+        const double noisy = solid > 0 ? solid * 1.6 + 0.2 * (random.one() - 0.5) : 0;
+        v.voxels.push_back(
+            static_cast<std::int16_t>(std::lround(30000 * std::clamp(noisy, 0.0, 1.0))));
+      }
+    }
+  }
+  volume::measure(v);
+  return v;
+}
+
+}  // namespace diaphane::render::bench

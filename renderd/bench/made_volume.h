@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+
+#include "volume/volume.h"
+
+namespace diaphane::render::bench {
+
+/// A head for machines that have no scan: shell, teeth, vessels as thin as a voxel, noise; mapped
+/// values 0 to 30000 as the cranium's (tests/scenes), and of its extent (245 x 245 x 162 mm), so
+/// that its scenes fit. `n` voxels along x and y, n * 27 / 64 along z; 16 to 2048.
+volume::Volume made_volume(std::uint32_t n);
+
+}  // namespace diaphane::render::bench

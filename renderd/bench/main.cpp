@@ -1,0 +1,183 @@
+// diaphane-renderd-bench: error against run time (convergence), the table of stiff cases
+// (stability).
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+#include "renderd/bench/convergence.h"
+#include "renderd/bench/convergence_report.h"
+#include "renderd/bench/made_volume.h"
+#include "renderd/scene/presets.h"
+
+namespace {
+
+namespace render = diaphane::render;
+namespace bench = diaphane::render::bench;
+using diaphane::ErrorCode;
+using diaphane::Result;
+
+constexpr int kFailed = 65, kNoDevice = 69;  // sysexits.h, as diaphane-render
+
+struct Options {
+  std::string volume = "made", scene, engine = "cpu", size = "512x512";
+  unsigned threads = 0;
+  std::vector<std::string> walks{"tracking"}, points{"low-discrepancy", "independent"};
+  std::vector<std::string> mis{"both"};
+  std::string json, csv;
+  bool quiet = false;
+  bench::ConvergenceWish wish;
+  bench::ReportHead head;
+};
+
+int complain(const diaphane::Error& error) {
+  std::cerr << "diaphane-renderd-bench: " << (error.field.empty() ? "" : error.field + ": ")
+            << error.message << '\n';
+  return error.code == ErrorCode::kUnavailable ? kNoDevice : kFailed;
+}
+
+Result<diaphane::volume::Volume> volume_of(const std::string& name) {
+  if (name != "made" && !name.starts_with("made:")) return diaphane::volume::read(name, false);
+  const unsigned long n = name == "made" ? 128 : std::strtoul(name.c_str() + 5, nullptr, 10);
+  if (n < 16 || n > 2048) {
+    return diaphane::fail(ErrorCode::kInvalid, "made:N has N from 16 to 2048", "--volume");
+  }
+  return bench::made_volume(static_cast<std::uint32_t>(n));
+}
+
+Result<diaphane::v1::Scene> scene_of(const std::string& path) {
+  std::ifstream file(path);
+  std::stringstream text;
+  text << file.rdbuf();
+  if (!file) return diaphane::fail(ErrorCode::kNotFound, "cannot read " + path);
+  return render::scene_from_json(text.str());
+}
+
+Result<render::Canvas> canvas_of(const std::string& text) {
+  render::Canvas canvas;
+  char end = 0;
+  if (std::sscanf(text.c_str(), "%ux%u%c", &canvas.width, &canvas.height, &end) != 2) {
+    return diaphane::fail(ErrorCode::kInvalid, "WIDTHxHEIGHT: not '" + text + "'", "--size");
+  }
+  return canvas;
+}
+
+std::vector<render::Method> methods_of(const Options& options) {
+  std::vector<render::Method> methods;
+  for (const std::string& walk : options.walks) {
+    for (const std::string& points : options.points) {
+      for (const std::string& mis : options.mis) {
+        methods.push_back({walk == "exact"      ? render::Walk::kExact
+                           : walk == "tracking" ? render::Walk::kTracking
+                                                : render::Walk::kAuto,
+                           points == "low-discrepancy",
+                           mis == "light"     ? render::Mis::kLight
+                           : mis == "scatter" ? render::Mis::kScatter
+                                              : render::Mis::kBoth});
+      }
+    }
+  }
+  return methods;
+}
+
+/// The last part of a path, without its ending.
+std::string short_name(std::string path) {
+  while (path.size() > 1 && path.back() == '/') path.pop_back();
+  path = path.substr(path.find_last_of('/') + 1);
+  return path.substr(0, path.find_last_of('.'));
+}
+
+bool written(const std::string& path, const std::string& text) {
+  if (path.empty()) return true;
+  std::ofstream file(path);
+  file << text << std::flush;
+  if (!file) std::cerr << "diaphane-renderd-bench: cannot write " << path << '\n';
+  return static_cast<bool>(file);
+}
+
+Result<bench::Convergence> converge(Options& options) {
+  auto engine = render::make_engine(
+      options.engine == "cuda" ? render::EngineChoice::kCuda : render::EngineChoice::kCpu,
+      options.threads);
+  if (!engine) return tl::unexpected(engine.error());
+  auto volume = volume_of(options.volume);
+  if (!volume) return tl::unexpected(volume.error());
+  auto scene = scene_of(options.scene);
+  if (!scene) return tl::unexpected(scene.error());
+  auto canvas = canvas_of(options.size);
+  if (!canvas) return tl::unexpected(canvas.error());
+  auto loaded = (*engine)->load(*volume);
+  if (!loaded) return tl::unexpected(loaded.error());
+  options.head.engine = (*engine)->info();
+  options.head.volume = short_name(options.volume);
+  options.head.scene = short_name(options.scene);
+  options.head.repeats = options.wish.repeats;
+  options.wish.methods = methods_of(options);
+  const bool show = !options.quiet && ::isatty(STDERR_FILENO) == 1;
+  if (show) options.wish.say = [](const std::string& words) { std::cerr << words << '\n'; };
+  return bench::measure_convergence(
+      {engine->get(), *loaded, bench::hash_of(*volume), *scene, *canvas}, options.wish);
+}
+
+int run(Options& options) {
+  auto result = converge(options);
+  if (!result) return complain(result.error());
+  std::cout << bench::report_text(options.head, *result) << std::flush;
+  const bool all = written(options.json, bench::report_json(options.head, *result)) &&
+                   written(options.csv, bench::report_csv(*result));
+  return all ? 0 : kFailed;
+}
+
+void add_convergence(CLI::App& app, Options& o) {
+  auto* c = app.add_subcommand(
+      "convergence", "per power of two of samples: milliseconds, true error, estimated error");
+  c->add_option("--volume", o.volume,
+                "directory of the volume store, or made:N (a made head of N voxels across)");
+  c->add_option("--scene", o.scene, "scene file (JSON)")->required();
+  c->add_option("--engine", o.engine)->check(CLI::IsMember({"cpu", "cuda"}));
+  c->add_option("--threads", o.threads, "of the CPU engine; 0: one a core");
+  c->add_option("--size", o.size, "picture size in pixels, WxH");
+  c->add_option("--most", o.wish.most, "samples of the last point, a power of two")
+      ->check(CLI::Range(1, 1 << 20));
+  c->add_option("--repeats", o.wish.repeats, "with seeds of their own")->check(CLI::Range(1, 1000));
+  c->add_option("--walk", o.walks, "auto, exact, tracking: any, with commas")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"auto", "exact", "tracking"}));
+  c->add_option("--points", o.points, "low-discrepancy, independent")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"low-discrepancy", "independent"}));
+  c->add_option("--mis", o.mis, "both, light, scatter")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"both", "light", "scatter"}));
+  c->add_option("--target", o.head.target, "error to which the time is given");
+  c->add_option("--slope-from", o.head.slope_from, "samples from which slopes are fitted");
+  c->add_option("--warm-up", o.wish.warm_up, "seconds rendered and thrown away first");
+  c->add_option("--reference-share", o.wish.reference_share,
+                "the reference's own error, of the smallest measured");
+  c->add_option("--reference-seconds", o.wish.reference_seconds, "at most, about");
+  c->add_option("--cache", o.wish.cache, "folder where references are kept");
+  c->add_flag("--fresh", o.wish.fresh, "take no reference from there");
+  c->add_option("--json", o.json, "results");
+  c->add_option("--csv", o.csv, "results");
+  c->add_flag("--quiet", o.quiet, "no progress on standard error");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    Options options;
+    CLI::App app("Measures the renderer.", "diaphane-renderd-bench");
+    app.option_defaults()->always_capture_default();
+    app.require_subcommand(1);
+    add_convergence(app, options);
+    CLI11_PARSE(app, argc, argv);
+    return run(options);
+  } catch (const std::exception& error) {
+    std::cerr << "diaphane-renderd-bench: " << error.what() << '\n';
+    return 70;
+  }
+}
