@@ -11,9 +11,10 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
-from house import contracts, filelint, gpu, linkrules, logfiles, packages, plan, ports, testing, venv  # noqa: E402
+from house import contracts, datadir, filelint, gpu, linkrules, logfiles, packages, plan, ports, testing, venv  # noqa: E402
 from house.layout import Layout  # noqa: E402
 from house.linkrules import PROGRAM, Graph  # noqa: E402
+from house.says import HouseError  # noqa: E402
 
 
 # Ports
@@ -242,3 +243,17 @@ def test_without_a_driver_testing_the_gpu_fails_at_once_and_says_why(monkeypatch
     assert testing.run("gpu") == 1
     said = capsys.readouterr()
     assert "there is no GPU to test on: no driver of NVIDIA's is installed" in said.err
+
+
+# Data directories
+
+def test_a_path_that_can_hold_no_data_is_refused_before_anything_is_made(tmp_path: Path):
+    (tmp_path / "letters").mkdir()
+    (tmp_path / "letters" / "dear.txt").write_text("not Diaphane's")
+    (tmp_path / "file").write_text("")
+    for name, why in {"my data": "may hold only", "letters": "holds something else", "file": "not a directory",
+                      "file/below": "cannot be made in"}.items():
+        with pytest.raises(HouseError, match=why):
+            datadir.check(tmp_path / name)
+    datadir.check(tmp_path / "new" / "place")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["file", "letters"]

@@ -87,16 +87,15 @@ def _data(options: argparse.Namespace) -> Path:
 
 
 def _up(options: argparse.Namespace, _: list[str]) -> int:
-    from . import build, install, supervise
+    from . import build, datadir, install, supervise
 
     data = _data(options)
     if supervise.running_supervisor(data):
-        from . import datadir
-
         say(f"Diaphane runs already: {datadir.read_record(data).get('url')}/")
         return 0
     if options.data is None and os.geteuid() == 0:
         say(f"Started by root: the data directory is {data}, where the user '{users.NAME}' can reach it.")
+    datadir.check(data)
     install.ensure("up", may_install=not options.no_install)
     build.build_page()      # before the programs: what is wrong with it shows in the first minute
     build.build_programs()

@@ -16,19 +16,31 @@ from .says import HouseError
 from .users import RunAs
 
 
+def check(data: Path) -> None:
+    """HouseError when it cannot be one. Makes nothing: it is asked before anything that takes long."""
+    if not re.fullmatch(r"[\w./@+~-]+", str(data)):
+        raise HouseError(f"{data}: a data directory's path may hold only letters, digits and ./@+~-_ (nginx reads it)")
+    try:
+        if data.exists() and not data.is_dir():
+            raise HouseError(f"{data} is not a directory")
+        if data.exists() and any(data.iterdir()) and not (data / "secrets").is_dir():
+            raise HouseError(f"{data} holds something else than Diaphane's data; choose an empty directory (--data)")
+        above = next(folder for folder in data.parents if folder.exists())
+        if not data.exists() and not (above.is_dir() and os.access(above, os.W_OK | os.X_OK)):
+            raise HouseError(f"{data} cannot be made in {above}; choose another place (--data)")
+    except OSError as error:
+        raise HouseError(f"{data} cannot be looked into: {error.strerror}; choose another place (--data)") from error
+
+
 def claim(data: Path, run_as: RunAs) -> None:
     """Makes the directory itself, owned by the ordinary user: all that root does there. One that holds something
     else is refused, not taken over."""
-    if not re.fullmatch(r"[\w./@+~-]+", str(data)):
-        raise HouseError(f"{data}: a data directory's path may hold only letters, digits and ./@+~-_ (nginx reads it)")
-    if data.exists() and not data.is_dir():
-        raise HouseError(f"{data} is not a directory")
-    if not data.exists():
-        data.mkdir(mode=0o700, parents=True)
-        run_as.own(data)
-    elif any(data.iterdir()) and not (data / "secrets").is_dir():
-        raise HouseError(f"{data} holds something else than Diaphane's data; choose an empty directory (--data)")
-    elif not any(data.iterdir()):
+    check(data)
+    try:
+        data.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        raise HouseError(f"{data} cannot be made: {error.strerror}; choose another place (--data)") from error
+    if not any(data.iterdir()):
         run_as.own(data)
     if not run_as.can_write(data):
         raise HouseError(f"the user '{run_as.name or users.current()}', which everything runs as, cannot write in {data}; "
