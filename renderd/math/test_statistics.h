@@ -62,6 +62,45 @@ inline double chi_square_uniform(std::span<const std::uint64_t> counts) {
   return chi;
 }
 
+/// A chi-square statistic and its degrees of freedom.
+struct ChiSquare {
+  double value = 0, dof = 0;
+
+  /// Whether a correct sampler gives less with probability 1 - `alpha`.
+  bool fits(double alpha) const { return dof < 1 || value < critical_chi_square(alpha, dof); }
+};
+
+/// Of counts against the probabilities of their bins, which add up to 1 together with that of
+/// falling into none. Bins that expect fewer than 20 are joined with the next. A count where the
+/// probability is 0 fits nothing.
+inline ChiSquare chi_square(std::span<const std::uint64_t> counts,
+                            std::span<const double> probabilities, double samples) {
+  ChiSquare chi;
+  double seen = 0, expected = 0, all_seen = 0, all_expected = 0;
+  const auto close = [&chi](double s, double e) {
+    chi.value += e > 0 ? (s - e) * (s - e) / e : (s > 0 ? 1e9 : 0.0);
+    chi.dof += 1;
+  };
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const auto n = static_cast<double>(counts[i]);
+    if (!(probabilities[i] > 0) && n > 0) chi.value += 1e9;
+    seen += n;
+    expected += probabilities[i] * samples;
+    all_seen += n;
+    all_expected += probabilities[i] * samples;
+    if (expected < 20) continue;
+    close(seen, expected);
+    seen = expected = 0;
+  }
+  if (expected > 1e-3 || seen > 0) close(seen, expected);
+  const double rest = samples - all_expected;
+  if (rest > 1) {
+    close(samples - all_seen, rest);
+  }
+  chi.dof -= 1;
+  return chi;
+}
+
 /// Mean and variance of a stream (Welford).
 struct Moments {
   double n = 0, mean = 0, m2 = 0;
