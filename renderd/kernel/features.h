@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include "renderd/math/host_device.h"
 
 namespace diaphane::render {
