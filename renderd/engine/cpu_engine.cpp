@@ -131,7 +131,7 @@ class CpuFrameRenderer final : public FrameRenderer {
     const PreparedScene& s = picture_->prepared;
     const PreparedTransfer& t = *s.transfer;
     CpuScene view = view_of(s, volume_->view(), t.extinction.data(), t.colour.data(),
-                            t.bounds.data(), s.lights.data(), seed_, first_sample_, method_);
+                            t.bounds.data(), LightArrays(s), seed_, first_sample_, method_);
     if (s.features.has(Feature::kGloss)) view.transfer.gloss = t.gloss.data();
     if (s.features.has(Feature::kEmission)) view.transfer.emission = t.emission.data();
     const CpuKernel kernel = cpu_kernel(s.features);

@@ -53,6 +53,12 @@ Result<CudaRenderer::Tables> CudaRenderer::grown_tables(const PreparedScene& pre
   }
   DIAPHANE_TRY(grow(larger.bounds, tables_.bounds, transfer.bounds.size()));
   DIAPHANE_TRY(grow(larger.lights, tables_.lights, prepared.lights.size()));
+  DIAPHANE_TRY(grow(larger.maps, tables_.maps, prepared.maps.size()));
+  if (const auto& textures = prepared.textures) {
+    DIAPHANE_TRY(grow(larger.textures, tables_.textures, textures->textures.size()));
+    DIAPHANE_TRY(grow(larger.texels, tables_.texels, textures->texels.size()));
+    DIAPHANE_TRY(grow(larger.texture_rows, tables_.texture_rows, textures->rows.size()));
+  }
   return larger;
 }
 
@@ -77,7 +83,28 @@ Result<void> CudaRenderer::upload_tables(const PreparedScene& prepared) {
     DIAPHANE_TRY(upload(tables_.colour, transfer.colour.data(), transfer.colour.size(), stream));
     DIAPHANE_TRY(upload(tables_.bounds, transfer.bounds.data(), transfer.bounds.size(), stream));
   }
-  return upload(tables_.lights, prepared.lights.data(), prepared.lights.size(), stream);
+  return upload_lights(prepared);
+}
+
+Result<void> CudaRenderer::upload_lights(const PreparedScene& prepared) {
+  const cudaStream_t stream = stream_.get();
+  DIAPHANE_TRY(upload(tables_.lights, prepared.lights.data(), prepared.lights.size(), stream));
+  DIAPHANE_TRY(upload(tables_.maps, prepared.maps.data(), prepared.maps.size(), stream));
+  // The same pictures as before are there already.
+  const auto& now = prepared.textures;
+  if (!now || now == prepared_.textures) return {};
+  DIAPHANE_TRY(upload(tables_.textures, now->textures.data(), now->textures.size(), stream));
+  DIAPHANE_TRY(upload(tables_.texels, now->texels.data(), now->texels.size(), stream));
+  return upload(tables_.texture_rows, now->rows.data(), now->rows.size(), stream);
+}
+
+LightArrays CudaRenderer::light_arrays() const {
+  LightArrays arrays(tables_.lights.data());
+  arrays.maps = tables_.maps.data();
+  arrays.textures = tables_.textures.data();
+  arrays.texels = tables_.texels.data();
+  arrays.rows = tables_.texture_rows.data();
+  return arrays;
 }
 
 Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas canvas) {
@@ -104,6 +131,17 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   if (!prepared->features.has(Feature::kEmission)) tables_.emission = {};
   adopt(tables_.bounds, std::move(larger->bounds));
   adopt(tables_.lights, std::move(larger->lights));
+  adopt(tables_.maps, std::move(larger->maps));
+  if (prepared->textures) {
+    adopt(tables_.textures, std::move(larger->textures));
+    adopt(tables_.texels, std::move(larger->texels));
+    adopt(tables_.texture_rows, std::move(larger->texture_rows));
+  } else {
+    // Memory for them exists only while the scene has some.
+    tables_.textures = {};
+    tables_.texels = {};
+    tables_.texture_rows = {};
+  }
   if (film) film_ = std::move(film);
   DIAPHANE_TRY(upload_tables(*prepared));
   DIAPHANE_TRY(film_->clear(stream_.get()));
@@ -135,7 +173,7 @@ Result<void> CudaRenderer::note_launch(Flight& flight, std::uint64_t work) {
 SceneView<TextureVolume> CudaRenderer::view() const {
   SceneView<TextureVolume> view =
       view_of(prepared_, volume_->view(), tables_.extinction.data(), tables_.colour.data(),
-              tables_.bounds.data(), tables_.lights.data(), seed_, first_sample_, method_);
+              tables_.bounds.data(), light_arrays(), seed_, first_sample_, method_);
   view.transfer.gloss = tables_.gloss.data();
   view.transfer.emission = tables_.emission.data();
   return view;

@@ -44,6 +44,11 @@ class CudaRenderer : public FrameRenderer {
     DeviceBuffer<Float4> gloss, emission;  ///< nothing while no scene has needed them
     DeviceBuffer<CellBounds> bounds;
     DeviceBuffer<AreaLight> lights;
+    // Of textures on lights; of one element each while the scene has none.
+    DeviceBuffer<EnvironmentMap> maps;
+    DeviceBuffer<LightTexture> textures;
+    DeviceBuffer<Float4> texels;
+    DeviceBuffer<float> texture_rows;
   };
   /// A batch of which some rows are traced. It goes on in the next call when `stop` ended this one.
   struct Pending {
@@ -63,6 +68,8 @@ class CudaRenderer : public FrameRenderer {
   Result<Tables> grown_tables(const PreparedScene& prepared) const;
   Result<void> upload_tables(const PreparedScene& prepared);
   SceneView<TextureVolume> view() const;
+  Result<void> upload_lights(const PreparedScene& prepared);
+  LightArrays light_arrays() const;
   /// Traces rows of the pending batch until it is whole; false when stopped before.
   Result<bool> trace_pending(const std::function<bool()>& stop, Flight& flight);
   Result<void> note_launch(Flight& flight, std::uint64_t work);

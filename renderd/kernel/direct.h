@@ -1,13 +1,19 @@
 #pragma once
 
+#include "renderd/kernel/environment.h"
 #include "renderd/kernel/features.h"
 #include "renderd/kernel/lights.h"
 #include "renderd/kernel/scatter.h"
 #include "renderd/kernel/views.h"
+#include "renderd/math/points.h"
 #include "renderd/math/random.h"
 
 // Next-event estimation: rays from a collision to the lights, before their transmittance. Which
 // estimator goes on with them (tracked or exact transmittance) is not known here.
+//
+// Direct light is the sum of what the strategies below estimate; each may be given any number of
+// samples. Where two of them can find the same light, each counts only its share of it (multiple
+// importance sampling by the power heuristic: Veach 1997, 9.2.4), or one of them all by `Mis`.
 
 namespace diaphane::render {
 
@@ -20,25 +26,193 @@ struct LightRay {
   bool lit;
 };
 
+enum class Strategy : std::uint32_t {
+  kAreaLight,           ///< a point on a light of finite size
+  kAreaLightByScatter,  ///< a direction of the scattering, which may meet such a light
+  kEnvironment,         ///< a direction of the scattering, to the environment
+  kEnvironmentMap,      ///< a direction of the environment's textures
+};
+
+/// Whether matter that scatters so can find a light better than a point on that light does: with
+/// the isotropic phase function it cannot.
+template <Features F>
+inline constexpr bool kMixes = F.has(Feature::kAnisotropicPhase) || F.has(Feature::kSurfaces);
+
+/// The strategies that a scene with these features needs, in the order of Strategy.
+struct StrategyList {
+  Strategy of[4];
+  std::uint32_t count;
+};
+template <Features F>
+HOST_DEVICE constexpr StrategyList strategies() {
+  StrategyList list{};
+  if (F.has(Feature::kAreaLights)) list.of[list.count++] = Strategy::kAreaLight;
+  if (F.has(Feature::kAreaLights) && kMixes<F>) {
+    list.of[list.count++] = Strategy::kAreaLightByScatter;
+  }
+  if (F.has(Feature::kEnvironment) || F.has(Feature::kTexturedEnvironment)) {
+    list.of[list.count++] = Strategy::kEnvironment;
+  }
+  if (F.has(Feature::kTexturedEnvironment)) list.of[list.count++] = Strategy::kEnvironmentMap;
+  return list;
+}
+template <Features F>
+HOST_DEVICE constexpr std::uint32_t strategy_count() {
+  return strategies<F>().count;
+}
+template <Features F>
+HOST_DEVICE constexpr Strategy strategy_at(std::uint32_t i) {
+  return strategies<F>().of[i];
+}
+
+/// The pair of low-discrepancy points that is a strategy's own.
+HOST_DEVICE constexpr Points::Use points_of(Strategy strategy) {
+  switch (strategy) {
+    case Strategy::kAreaLight:
+      return Points::kAreaLight;
+    case Strategy::kAreaLightByScatter:
+      return Points::kAreaLightByScatter;
+    case Strategy::kEnvironment:
+      return Points::kEnvironment;
+    case Strategy::kEnvironmentMap:
+      return Points::kEnvironmentMap;
+  }
+  return Points::kEnvironment;
+}
+
+/// The share of a sample whose own way of sampling has `density` and the other way `other`. Both
+/// ways' shares of a direction add up to 1.
+HOST_DEVICE float share(Mis mis, Mis own, float density, float other) {
+  if (mis != Mis::kBoth) return mis == own ? 1.0f : 0.0f;
+  const float ratio = other / density;
+  return 1.0f / (1.0f + ratio * ratio);
+}
+
+HOST_DEVICE LightRay light_ray_of(Float3 direction, float distance, Float3 weight) {
+  return {direction, distance, weight, weight.x + weight.y + weight.z > 0.0f};
+}
+
 /// To one point of one of the lights of finite size. `place` in voxel indices.
 template <Features F, typename Volume>
 HOST_DEVICE LightRay area_light_ray(const SceneView<Volume>& scene, Float3 place,
                                     const Scatter<F>& scatter, Random::Pair u) {
+  if (scene.lights.count == 0) return {};
   std::uint32_t which = 0;
   if constexpr (F.has(Feature::kManyLights)) which = pick_light(scene.lights, u.a);
-  const LightSample light = sample_light(scene.lights.area[which], place * scene.spacing, u.a, u.b);
-  if (!light.lit) return LightRay{{}, 0.0f, {}, false};
-  return {light.direction, light.distance, light.irradiance * scatter.evaluate(light.direction),
-          true};
+  const LightSample light =
+      sample_light<F>(scene.lights, scene.lights.area[which], place * scene.spacing, u.a, u.b);
+  if (!light.lit) return {};
+  Float3 weight = light.irradiance * scatter.evaluate(light.direction);
+  if constexpr (kMixes<F>) {
+    if (light.density < kDeltaDensity) {
+      weight =
+          weight * share(scene.mis, Mis::kLight, light.density, scatter.density(light.direction));
+    }
+  }
+  return light_ray_of(light.direction, light.distance, weight);
 }
 
-/// Along one direction to the environment, drawn from how matter scatters.
+/// In a direction of the scattering, to one of the lights of finite size if it is met.
+template <Features F, typename Volume>
+HOST_DEVICE LightRay area_light_ray_by_scatter(const SceneView<Volume>& scene, Float3 place,
+                                               const Scatter<F>& scatter, Random::Pair u) {
+  if (scene.mis == Mis::kLight || scene.lights.count == 0) return {};
+  std::uint32_t which = 0;
+  if constexpr (F.has(Feature::kManyLights)) which = pick_light(scene.lights, u.a);
+  const AreaLight& light = scene.lights.area[which];
+  const ScatterSample s = scatter.sample(u.a, u.b);
+  if (!(s.density > 0.0f)) return {};
+  const LightHit hit = meet_light<F>(scene.lights, light, place * scene.spacing, s.direction);
+  if (!hit.met) return {};
+  return light_ray_of(
+      s.direction, hit.distance,
+      hit.radiance * s.weight *
+          (share(scene.mis, Mis::kScatter, s.density, hit.density) / light.probability));
+}
+
+/// What the environment gives to a direction of the scattering whose density was `density`.
+/// Without kMixes its textures are left to environment_map_ray, unless directions of the scattering
+/// are all that is wanted.
+template <Features F, typename Volume>
+HOST_DEVICE Float3 environment_by_scatter(const SceneView<Volume>& scene, Float3 direction,
+                                          float density) {
+  Float3 radiance = scene.lights.environment;
+  if constexpr (F.has(Feature::kTexturedEnvironment)) {
+    if (scene.mis == Mis::kScatter || (kMixes<F> && scene.mis == Mis::kBoth)) {
+      const MapsHit maps = meet_maps(scene.lights, direction);
+      radiance += maps.radiance * share(scene.mis, Mis::kScatter, density, maps.density);
+    }
+  }
+  (void)direction;
+  (void)density;
+  return radiance;
+}
+
+/// In a direction of the scattering, to the environment.
 template <Features F, typename Volume>
 HOST_DEVICE LightRay environment_ray(const SceneView<Volume>& scene, Float3 place,
                                      const Scatter<F>& scatter, Random::Pair u) {
   (void)place;
   const ScatterSample s = scatter.sample(u.a, u.b);
-  return {s.direction, 3.4e38f, scene.lights.environment * s.weight, s.density > 0.0f};
+  if (!(s.density > 0.0f)) return {};
+  return light_ray_of(s.direction, 3.4e38f,
+                      environment_by_scatter<F>(scene, s.direction, s.density) * s.weight);
+}
+
+/// Along one direction to the environment's textures, drawn from them.
+template <Features F, typename Volume>
+HOST_DEVICE LightRay environment_map_ray(const SceneView<Volume>& scene, const Scatter<F>& scatter,
+                                         Random::Pair u) {
+  if (scene.mis == Mis::kScatter || scene.lights.map_count == 0) return {};
+  const Float3 direction = sample_maps(scene.lights, u.a, u.b);
+  const MapsHit maps = meet_maps(scene.lights, direction);
+  if (!(maps.density > 0.0f)) return {};
+  Float3 weight = maps.radiance * scatter.evaluate(direction) * (1.0f / maps.density);
+  if constexpr (kMixes<F>) {
+    weight = weight * share(scene.mis, Mis::kLight, maps.density, scatter.density(direction));
+  }
+  return light_ray_of(direction, 3.4e38f, weight);
+}
+
+/// One sample of one of strategies<F>().
+template <Features F, typename Volume>
+HOST_DEVICE LightRay light_ray(const SceneView<Volume>& scene, Float3 place,
+                               const Scatter<F>& scatter, Strategy strategy, Random::Pair u) {
+  if constexpr (F.has(Feature::kAreaLights)) {
+    if (strategy == Strategy::kAreaLight) return area_light_ray(scene, place, scatter, u);
+    if constexpr (kMixes<F>) {
+      if (strategy == Strategy::kAreaLightByScatter) {
+        return area_light_ray_by_scatter(scene, place, scatter, u);
+      }
+    }
+  }
+  if constexpr (F.has(Feature::kTexturedEnvironment)) {
+    if (strategy == Strategy::kEnvironmentMap) return environment_map_ray(scene, scatter, u);
+  }
+  if constexpr (F.has(Feature::kEnvironment) || F.has(Feature::kTexturedEnvironment)) {
+    if (strategy == Strategy::kEnvironment) return environment_ray(scene, place, scatter, u);
+  }
+  return {};
+}
+
+/// Whether a strategy can find anything in this scene: one that cannot needs no samples.
+template <Features F, typename Volume>
+HOST_DEVICE bool is_of_use(const SceneView<Volume>& scene, Strategy strategy) {
+  const LightsView& lights = scene.lights;
+  switch (strategy) {
+    case Strategy::kAreaLight:
+      // Whatever `mis` is: nothing else finds a light that is a point.
+      return lights.count > 0;
+    case Strategy::kAreaLightByScatter:
+      return lights.count > 0 && scene.mis != Mis::kLight;
+    case Strategy::kEnvironment:
+      if (lights.environment.x + lights.environment.y + lights.environment.z > 0.0f) return true;
+      return lights.map_count > 0 &&
+             (scene.mis == Mis::kScatter || (kMixes<F> && scene.mis == Mis::kBoth));
+    case Strategy::kEnvironmentMap:
+      return lights.map_count > 0 && scene.mis != Mis::kScatter;
+  }
+  return false;
 }
 
 }  // namespace diaphane::render

@@ -42,8 +42,9 @@ inline constexpr std::uint32_t kFirstRoulette = 3;
 /// their own glow included. The light that comes to the first one straight from the lights is not
 /// in it.
 ///
-/// Lamps by next-event estimation at each collision; the environment by the path itself, when it
-/// leaves the volume: its direction is drawn as matter scatters, so no further ray is needed.
+/// Lamps and the environment's textures by next-event estimation at each collision; the rest of the
+/// environment by the path itself, when it leaves the volume: its direction is drawn as matter
+/// scatters, so no further ray is needed.
 template <Features F, typename Volume>
 HOST_DEVICE Float3 path_onwards(const SceneView<Volume>& scene, Float3 place, Scatter<F> scatter,
                                 Random& random) {
@@ -69,8 +70,10 @@ HOST_DEVICE Float3 path_onwards(const SceneView<Volume>& scene, Float3 place, Sc
           ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
     }
     if (!hit.found) {
-      if constexpr (F.has(Feature::kEnvironment)) {
-        if (collisions > 1) radiance += weight * scene.lights.environment;
+      if constexpr (F.has(Feature::kEnvironment) || F.has(Feature::kTexturedEnvironment)) {
+        if (collisions > 1) {
+          radiance += weight * environment_by_scatter<F>(scene, next.direction, next.density);
+        }
       }
       return radiance;
     }
@@ -82,13 +85,13 @@ HOST_DEVICE Float3 path_onwards(const SceneView<Volume>& scene, Float3 place, Sc
     if constexpr (F.has(Feature::kEmission)) {
       radiance += weight * emission_at(scene.transfer, hit.value);
     }
-    if constexpr (F.has(Feature::kAreaLights)) {
-      if (scene.lights.count > 0) {
-        const LightRay light = area_light_ray<F>(scene, place, scatter, random.two());
-        if (light.lit) {
-          radiance += weight * light.weight *
-                      tracked_visibility<F>(scene, place, light.direction, light.distance, random);
-        }
+    for (std::uint32_t i = 0; i < strategy_count<F>(); ++i) {
+      const Strategy strategy = strategy_at<F>(i);
+      if (strategy == Strategy::kEnvironment || !is_of_use<F>(scene, strategy)) continue;
+      const LightRay light = light_ray<F>(scene, place, scatter, strategy, random.two());
+      if (light.lit) {
+        radiance += weight * light.weight *
+                    tracked_visibility<F>(scene, place, light.direction, light.distance, random);
       }
     }
   }
@@ -110,7 +113,7 @@ HOST_DEVICE Sample estimate(const SceneView<Volume>& scene, std::uint32_t x, std
   if constexpr (F.has(Feature::kLens)) lens = pair(Points::kLens);
   const CameraRay camera = camera_ray<F>(scene, static_cast<float>(x) + jitter.a,
                                          static_cast<float>(y) + jitter.b, lens);
-  const Sight sight = sight_along<F>(scene, camera.ray);
+  const Sight sight = sight_along<F>(scene, camera);
   const Span span = sight.span;
   Sample result{sight.behind, sight.slice};
   if (!(span.begin < span.end)) return result;
@@ -131,12 +134,11 @@ HOST_DEVICE Sample estimate(const SceneView<Volume>& scene, std::uint32_t x, std
     const float seen = tracked_visibility<F>(scene, place, light.direction, light.distance, random);
     result.radiance += light.weight * seen;
   };
-  if constexpr (F.has(Feature::kAreaLights)) {
-    if (scene.lights.count > 0)
-      add(area_light_ray<F>(scene, place, scatter, pair(Points::kAreaLight)));
-  }
-  if constexpr (F.has(Feature::kEnvironment)) {
-    add(environment_ray<F>(scene, place, scatter, pair(Points::kEnvironment)));
+  for (std::uint32_t i = 0; i < strategy_count<F>(); ++i) {
+    const Strategy strategy = strategy_at<F>(i);
+    if (is_of_use<F>(scene, strategy)) {
+      add(light_ray<F>(scene, place, scatter, strategy, pair(points_of(strategy))));
+    }
   }
   if constexpr (F.has(Feature::kBounces)) {
     result.radiance += path_onwards<F>(scene, place, scatter, random);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "renderd/math/host_device.h"
 
 namespace diaphane::render {

@@ -2,6 +2,7 @@
 
 #include "renderd/kernel/camera.h"
 #include "renderd/kernel/clip.h"
+#include "renderd/kernel/environment.h"
 #include "renderd/kernel/features.h"
 #include "renderd/kernel/slices.h"
 #include "renderd/kernel/views.h"
@@ -17,8 +18,10 @@ struct Sight {
 };
 
 template <Features F, typename Volume>
-HOST_DEVICE Sight sight_along(const SceneView<Volume>& scene, const Ray& ray) {
-  Sight sight{clip(ray, scene.grid.occupied, Span{0.0f, 3.4e38f}), scene.escape, false};
+HOST_DEVICE Sight sight_along(const SceneView<Volume>& scene, const CameraRay& camera) {
+  const Ray& ray = camera.ray;
+  Sight sight{clip(ray, scene.grid.occupied, Span{0.0f, 3.4e38f}),
+              escape_radiance<F>(scene, camera.direction), false};
   sight.span = clip_span<F>(scene, ray, sight.span, RayKind::kCamera);
   if constexpr (F.has(Feature::kSlices)) {
     const SliceHit hit = nearest_slice<F>(scene, ray);

@@ -72,20 +72,53 @@ struct GridView {
   Box occupied;  ///< around all cells whose majorant is not 0; low == high when there are none
 };
 
-/// One-sided: it shines to the side of `normal`.
+enum class LightShape : std::uint32_t { kRectangle, kDisk, kSphere };
+inline constexpr std::uint32_t kNoTexture = 0xffffffffu;
+
+/// One-sided: it shines to the side of `normal`, a sphere outwards.
+///
+/// Rectangle: the points corner + a u + b v, a and b in [0, 1]. Disk: centre `corner`, u and v its
+/// radii to the right and up in its texture. Sphere: centre `corner`, u and v its radii to the
+/// right of the texture's middle and to the middle. Disk and sphere of radius 0 (u and v are 0) are
+/// points.
 struct AreaLight {
   Float3 corner, u, v;
-  Float3 normal;  ///< unit, cross(u, v)
-  float area;     ///< mm^2
+  Float3 normal;  ///< unit, along cross(u, v); a sphere's upper pole
+  float area;     ///< mm^2; a sphere's as seen from far off, pi r^2; a point's 1
   Float3 radiance;
   /// Picked for u in [cumulative of the one before, cumulative); `probability` is the difference.
   float probability, cumulative;
+  LightShape shape;
+  std::uint32_t texture;  ///< index in LightsView::textures, or kNoTexture
+};
+
+/// A picture that a light's radiance is multiplied by: linear, interpolated between texel centres.
+struct LightTexture {
+  std::uint32_t first_texel;  ///< index in LightsView::texels; rows from the top
+  std::uint32_t first_row;    ///< index in LightsView::rows
+  std::int32_t width, height;
+};
+
+/// An environment light with a texture.
+struct EnvironmentMap {
+  Float3 right, middle, up;  ///< unit; `middle` is the direction of the texture's middle
+  Float3 radiance;
+  float probability, cumulative;  ///< as AreaLight's
+  std::uint32_t texture;
 };
 
 struct LightsView {
   const AreaLight* area;
-  std::uint32_t count;  ///< of `area`
-  Float3 environment;   ///< sum of all environment lights' radiance
+  std::uint32_t count;         ///< of `area`
+  Float3 environment;          ///< sum of the radiances of all environment lights without a texture
+  std::uint32_t map_count;     ///< of `maps`
+  const EnvironmentMap* maps;  ///< environment lights with a texture
+  const LightTexture* textures;
+  /// xyz: colour. w: probability, over the solid angle as a latitude-longitude map, that a
+  /// direction drawn from this row lies in this texel or before it.
+  const Float4* texels;
+  const float* rows;  ///< probability that a direction drawn lies in this row or above it
+  bool maps_seen;     ///< by camera rays
 };
 
 /// Pinhole, thin lens and parallel rays in one form. A ray begins in the plane at depth `near`

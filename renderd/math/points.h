@@ -52,7 +52,17 @@ HOST_DEVICE std::uint32_t sobol_second_reversed(std::uint32_t index) {
 class Points {
  public:
   /// What a pair of dimensions is for.
-  enum Use : std::uint32_t { kPixel, kLens, kAreaLight, kEnvironment, kScatter, kPick, kDepth };
+  enum Use : std::uint32_t {
+    kPixel,
+    kLens,
+    kAreaLight,
+    kEnvironment,
+    kScatter,
+    kPick,
+    kAreaLightByScatter,
+    kEnvironmentMap,
+    kDepth
+  };
 
   /// `sample` counts from 0 within its stream (Random's seed and first sample make the stream's
   /// key): of any two samples 2i and 2i + 1 one belongs to each half.

@@ -62,39 +62,43 @@ inline double chi_square_uniform(std::span<const std::uint64_t> counts) {
   return chi;
 }
 
+/// A chi-square statistic and its degrees of freedom.
 struct ChiSquare {
-  double value;
-  double dof;
+  double value = 0, dof = 0;
 
-  /// Whether counts with the right probabilities would be so far off with less than `alpha`.
-  bool rejects(double alpha) const { return value > critical_chi_square(alpha, dof); }
+  /// Whether a correct sampler gives less with probability 1 - `alpha`.
+  bool fits(double alpha) const { return dof < 1 || value < critical_chi_square(alpha, dof); }
 };
 
-/// Of the counts of `total` samples against the probabilities of their bins, which may add up to
-/// less than 1: the rest is a bin of its own. Neighbours are joined until each is expected to hold
-/// 20, below which chi-square would not be the distribution.
+/// Of counts against the probabilities of their bins, which add up to 1 together with that of
+/// falling into none. Bins that expect fewer than 20 are joined with the next. A count where the
+/// probability is 0 fits nothing.
 inline ChiSquare chi_square(std::span<const std::uint64_t> counts,
-                            std::span<const double> probabilities, std::uint64_t total) {
-  constexpr double kFew = 20;
-  const auto n = static_cast<double>(total);
-  double value = 0, bins = 0, got = 0, expected = 0, rest_got = n, rest_expected = n;
+                            std::span<const double> probabilities, double samples) {
+  ChiSquare chi;
+  double seen = 0, expected = 0, all_seen = 0, all_expected = 0;
+  const auto close = [&chi](double s, double e) {
+    chi.value += e > 0 ? (s - e) * (s - e) / e : (s > 0 ? 1e9 : 0.0);
+    chi.dof += 1;
+  };
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    got += static_cast<double>(counts[i]);
-    expected += probabilities[i] * n;
-    if (expected < kFew) continue;
-    value += (got - expected) * (got - expected) / expected;
-    bins += 1;
-    rest_got -= got;
-    rest_expected -= expected;
-    got = expected = 0;
+    const auto n = static_cast<double>(counts[i]);
+    if (!(probabilities[i] > 0) && n > 0) chi.value += 1e9;
+    seen += n;
+    expected += probabilities[i] * samples;
+    all_seen += n;
+    all_expected += probabilities[i] * samples;
+    if (expected < 20) continue;
+    close(seen, expected);
+    seen = expected = 0;
   }
-  if (rest_expected >= kFew) {
-    value += (rest_got - rest_expected) * (rest_got - rest_expected) / rest_expected;
-    bins += 1;
-  } else if (rest_got > 4 * kFew) {
-    value = 1e300;  // what cannot be has happened
+  if (expected > 1e-3 || seen > 0) close(seen, expected);
+  const double rest = samples - all_expected;
+  if (rest > 1) {
+    close(samples - all_seen, rest);
   }
-  return {value, bins - 1};
+  chi.dof -= 1;
+  return chi;
 }
 
 /// Mean and variance of a stream (Welford).

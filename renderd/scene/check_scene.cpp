@@ -1,57 +1,21 @@
 #include <cmath>
-#include <optional>
 #include <string>
 
 #include "renderd/math/vector.h"
+#include "renderd/scene/check.h"
+#include "renderd/scene/frame.h"
 #include "renderd/scene/presets.h"
 
 namespace diaphane::render {
 namespace {
 
+using render::check;  // beside those below
+
 constexpr int kMostChannels = 64;
 constexpr int kMostPoints = 1024;
-constexpr int kMostLights = 256;
 constexpr int kMostPlanes = 6;
 constexpr std::uint32_t kMostBounces = 1024;
-constexpr double kLongestDistance = 1e7;  // mm
-constexpr double kBrightest = 1e15;
 constexpr double kDensest = 1e7;  // per mm
-
-/// The first thing wrong, or nothing. Fields are named as in the JSON form.
-using Complaint = std::optional<Error>;
-
-Complaint complain(std::string field, std::string what) {
-  return Error{ErrorCode::kInvalid, field + " " + what, std::move(field)};
-}
-
-/// NaN fails every comparison, so each check asks for what is right, never for what is wrong.
-Complaint in_range(double value, double low, double high, const std::string& field,
-                   const char* what) {
-  if (value >= low && value <= high) return {};
-  return complain(field, what);
-}
-
-Complaint check(const diaphane::v1::Vec3& v, const std::string& field) {
-  const std::pair<const char*, double> parts[] = {{".x", v.x()}, {".y", v.y()}, {".z", v.z()}};
-  for (const auto& [name, value] : parts) {
-    if (auto c = in_range(value, -kLongestDistance, kLongestDistance, field + name,
-                          "must be a number within 1e7 mm")) {
-      return c;
-    }
-  }
-  return {};
-}
-
-Complaint check(const diaphane::v1::Rgb& v, double most, const std::string& field,
-                const char* what) {
-  const std::pair<const char*, double> parts[] = {{".r", v.r()}, {".g", v.g()}, {".b", v.b()}};
-  for (const auto& [name, value] : parts) {
-    if (auto c = in_range(value, 0, most, field + name, what)) return c;
-  }
-  return {};
-}
-
-Double3 vector_of(const diaphane::v1::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 Complaint check(const diaphane::v1::Channel& channel, const std::string& field) {
   if (channel.opacity_size() < 2 || channel.opacity_size() > kMostPoints) {
@@ -86,36 +50,6 @@ Complaint check(const diaphane::v1::TransferFunction& function) {
   }
   return in_range(function.extinction_per_mm(), 0, kDensest, field + ".extinctionPerMm",
                   "must be from 0 to 1e7 per mm");
-}
-
-Complaint check(const diaphane::v1::RectangleLight& light, const std::string& field) {
-  if (auto c = check(light.corner(), field + ".corner")) return c;
-  if (auto c = check(light.u(), field + ".u")) return c;
-  if (auto c = check(light.v(), field + ".v")) return c;
-  const Double3 u = vector_of(light.u()), v = vector_of(light.v());
-  if (!(length(u) >= 1e-6)) return complain(field + ".u", "must be at least 1e-6 mm long");
-  if (!(length(v) >= 1e-6)) return complain(field + ".v", "must be at least 1e-6 mm long");
-  if (!(length(cross(u, v)) > 1e-6 * length(u) * length(v))) {
-    return complain(field + ".v", "must not be parallel to u");
-  }
-  return check(light.radiance(), kBrightest, field + ".radiance", "must be from 0 to 1e15");
-}
-
-Complaint check(const diaphane::v1::Light& light, const std::string& field) {
-  switch (light.shape_case()) {
-    case diaphane::v1::Light::kRectangle:
-      return check(light.rectangle(), field + ".rectangle");
-    case diaphane::v1::Light::kEnvironment:
-      return check(light.environment().radiance(), kBrightest, field + ".environment.radiance",
-                   "must be from 0 to 1e15");
-    case diaphane::v1::Light::kDisk:
-    case diaphane::v1::Light::kSphere:
-    case diaphane::v1::Light::kBox:
-      return complain(field, "is of a shape that is not rendered yet");
-    case diaphane::v1::Light::SHAPE_NOT_SET:
-      break;
-  }
-  return complain(field, "needs a shape");
 }
 
 Complaint check(const diaphane::v1::Camera& camera) {
@@ -218,10 +152,7 @@ Complaint check(const diaphane::v1::Shading& shading) {
 
 Complaint first_complaint(const diaphane::v1::Scene& scene) {
   if (auto c = check(scene.transfer_function())) return c;
-  if (scene.lights_size() > kMostLights) return complain("lights", "may be 256 at most");
-  for (int i = 0; i < scene.lights_size(); ++i) {
-    if (auto c = check(scene.lights(i), "lights[" + std::to_string(i) + "]")) return c;
-  }
+  if (auto c = check_lights(scene)) return c;
   if (!scene.has_camera()) return complain("camera", "is missing");
   if (auto c = check(scene.camera())) return c;
   const double g = scene.phase().g();

@@ -5,64 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "renderd/scene/camera.h"
 #include "renderd/scene/clip_slices.h"
 #include "renderd/scene/frame.h"
+#include "renderd/scene/lights.h"
 #include "renderd/scene/presets.h"
 
 namespace diaphane::render {
 namespace {
-
-double power_of(const AreaLight& light) {
-  return static_cast<double>(light.area) * (light.radiance.x + light.radiance.y + light.radiance.z);
-}
-
-AreaLight rectangle_of(const diaphane::v1::Light& light, const CameraAxes& axes, Double3 target,
-                       const WorldToFrame& frame) {
-  const auto& r = light.rectangle();
-  Double3 corner = vector_of(r.corner()), u = vector_of(r.u()), v = vector_of(r.v());
-  if (light.camera_locked()) {
-    corner = target + axes.to_world(corner);
-    u = axes.to_world(u);
-    v = axes.to_world(v);
-  }
-  u = frame.direction(u);
-  v = frame.direction(v);
-  const Double3 normal = cross(u, v);
-  AreaLight out{};
-  out.corner = to_float(frame.point(corner));
-  out.u = to_float(u);
-  out.v = to_float(v);
-  out.normal = to_float(normalize(normal));
-  out.area = static_cast<float>(length(normal));
-  out.radiance = colour_of(r.radiance());
-  return out;
-}
-
-/// Lights without power are left out: they would be picked for nothing.
-void prepare_lights(const diaphane::v1::Scene& scene, const CameraAxes& axes,
-                    const WorldToFrame& frame, PreparedScene& out) {
-  double total = 0;
-  for (const auto& light : scene.lights()) {
-    if (light.has_environment()) {
-      out.environment += colour_of(light.environment().radiance());
-    } else {
-      const AreaLight r = rectangle_of(light, axes, vector_of(scene.camera().target()), frame);
-      if (power_of(r) > 0) {
-        out.lights.push_back(r);
-        total += power_of(r);
-      }
-    }
-  }
-  double sum = 0;
-  for (AreaLight& light : out.lights) {
-    light.probability = static_cast<float>(power_of(light) / total);
-    sum += power_of(light) / total;
-    light.cumulative = static_cast<float>(sum);
-  }
-  if (!out.lights.empty()) out.lights.back().cumulative = 1.0f;
-}
 
 /// SceneView::surfaces. The scale is for gradients of the opacity, the kernel's are of the
 /// extinction.
@@ -82,17 +34,14 @@ float surfaces_of(const diaphane::v1::Scene& scene) {
   }
 }
 
-Features features_of(const diaphane::v1::Scene& scene, const PreparedScene& s) {
-  const bool sky = s.environment.x > 0 || s.environment.y > 0 || s.environment.z > 0;
+Features features_of(const diaphane::v1::Scene& scene, const PreparedScene& s, Features lights) {
   const Features seen = Features{}
                             .with(Feature::kLens, scene.camera().aperture_radius() > 0)
                             .with(Feature::kOrthographic, scene.camera().orthographic_height() > 0)
                             .with(Feature::kClip, s.clip.count > 0)
                             .with(Feature::kSlices, any_slice(s.slices));
-  if (!s.matter) return seen;
-  return seen.with(Feature::kAreaLights, !s.lights.empty())
-      .with(Feature::kManyLights, s.lights.size() > 1)
-      .with(Feature::kEnvironment, sky)
+  if (!s.matter) return seen.with(Feature::kTexturedEnvironment, s.maps_seen);
+  return Features{seen.bits | lights.bits}
       .with(Feature::kAnisotropicPhase, s.phase_g != 0)
       .with(Feature::kSurfaces, s.surfaces > 0)
       .with(Feature::kHybrid, s.surfaces > 0 && std::isfinite(s.surfaces))
@@ -123,7 +72,14 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
   out.clip = prepare_clip(scene.clip(), frame, to_double(out.spacing));
   out.slices = prepare_slices(scene, header);
   out.matter = !scene.slices().alone();
-  prepare_lights(scene, axes, frame, out);
+  auto lights = prepare_lights(scene, axes, frame, before != nullptr ? before->textures : nullptr);
+  if (!lights) return tl::unexpected(lights.error());
+  const Features light_features = features_of(*lights);
+  out.lights = std::move(lights->area);
+  out.environment = lights->environment;
+  out.maps = std::move(lights->maps);
+  out.textures = std::move(lights->textures);
+  out.maps_seen = scene.display().show_environment() && !out.maps.empty();
   // The nearest fp32 numbers inside (-1, 1): at exactly 1 the phase function has no density.
   constexpr float kMostForward = 0x1.fffffep-1f;
   out.phase_g = std::clamp(static_cast<float>(scene.phase().g()), -kMostForward, kMostForward);
@@ -140,7 +96,7 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
     out.transfer = std::make_shared<const PreparedTransfer>(
         prepare_transfer(scene.transfer_function(), grid, size_of(header), out.spacing));
   }
-  out.features = features_of(scene, out);
+  out.features = features_of(scene, out, light_features);
   return out;
 }
 

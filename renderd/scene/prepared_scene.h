@@ -12,6 +12,7 @@
 #include "renderd/kernel/views.h"
 #include "renderd/math/random.h"
 #include "renderd/scene/grid.h"
+#include "renderd/scene/light_textures.h"
 #include "renderd/scene/transfer.h"
 #include "volume/volume.h"
 
@@ -25,7 +26,11 @@ struct PreparedScene {
   /// to upload.
   std::shared_ptr<const PreparedTransfer> transfer;
   std::vector<AreaLight> lights;
-  Float3 environment{};
+  Float3 environment{};              ///< of the environment lights without a texture
+  std::vector<EnvironmentMap> maps;  ///< and those with one
+  /// Shared as `transfer` is; nothing when no light has a texture.
+  std::shared_ptr<const PreparedTextures> textures;
+  bool maps_seen = false;  ///< by camera rays
   CameraView camera{};
   ClipView clip{};
   SlicesView slices{};
@@ -46,37 +51,68 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
                                     const PreparedScene* before = nullptr,
                                     const diaphane::v1::Scene* before_scene = nullptr);
 
+/// An executor's copies of a scene's lights; all but the first may be null where no light has a
+/// texture.
+struct LightArrays {
+  const AreaLight* area = nullptr;
+  const EnvironmentMap* maps = nullptr;
+  const LightTexture* textures = nullptr;
+  const Float4* texels = nullptr;
+  const float* rows = nullptr;
+
+  LightArrays(const AreaLight* lights) : area(lights) {}  // NOLINT: a scene without a texture
+  /// The scene's own.
+  explicit LightArrays(const PreparedScene& scene) : area(scene.lights.data()) {
+    if (!scene.textures) return;
+    maps = scene.maps.data();
+    textures = scene.textures->textures.data();
+    texels = scene.textures->texels.data();
+    rows = scene.textures->rows.data();
+  }
+};
+
+inline LightsView view_of(const PreparedScene& scene, const LightArrays& lights) {
+  return {.area = lights.area,
+          .count = static_cast<std::uint32_t>(scene.lights.size()),
+          .environment = scene.environment,
+          .map_count = static_cast<std::uint32_t>(scene.maps.size()),
+          .maps = lights.maps,
+          .textures = lights.textures,
+          .texels = lights.texels,
+          .rows = lights.rows,
+          .maps_seen = scene.maps_seen};
+}
+
 /// The view of a prepared scene over an executor's copies of its arrays; where it has tables of
 /// gloss and emission the caller sets their pointers in the view.
 template <typename Volume>
 SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, const float* extinction,
-                          const Float4* colour, const CellBounds* bounds, const AreaLight* lights,
+                          const Float4* colour, const CellBounds* bounds, const LightArrays& lights,
                           std::uint64_t seed, std::uint64_t first_sample = 0, Method method = {}) {
   const PreparedTransfer& t = *scene.transfer;
   const Float3 s = scene.spacing;
-  return SceneView<Volume>{
-      .volume = volume,
-      .inverse_spacing = {1.0f / s.x, 1.0f / s.y, 1.0f / s.z},
-      .spacing = s,
-      .transfer = {extinction, colour, t.scale, t.offset, t.margin, t.count},
-      .grid = {bounds, t.cells, scene.matter ? t.occupied : Box{}},
-      .lights = {lights, static_cast<std::uint32_t>(scene.lights.size()), scene.environment},
-      .camera = scene.camera,
-      .clip = scene.clip,
-      .slices = scene.slices,
-      .phase_g = scene.phase_g,
-      .surfaces = scene.surfaces,
-      .bounces = scene.bounces,
-      .roulette = method.roulette,
-      .escape = scene.escape,
-      .width = scene.canvas.width,
-      .height = scene.canvas.height,
-      .seed = seed,
-      .first_sample = first_sample,
-      .stream = mix64(seed + mix64(first_sample)),
-      .independent_points = !method.low_discrepancy,
-      .mis = method.mis,
-      .walk = method.walk};
+  return SceneView<Volume>{.volume = volume,
+                           .inverse_spacing = {1.0f / s.x, 1.0f / s.y, 1.0f / s.z},
+                           .spacing = s,
+                           .transfer = {extinction, colour, t.scale, t.offset, t.margin, t.count},
+                           .grid = {bounds, t.cells, scene.matter ? t.occupied : Box{}},
+                           .lights = view_of(scene, lights),
+                           .camera = scene.camera,
+                           .clip = scene.clip,
+                           .slices = scene.slices,
+                           .phase_g = scene.phase_g,
+                           .surfaces = scene.surfaces,
+                           .bounces = scene.bounces,
+                           .roulette = method.roulette,
+                           .escape = scene.escape,
+                           .width = scene.canvas.width,
+                           .height = scene.canvas.height,
+                           .seed = seed,
+                           .first_sample = first_sample,
+                           .stream = mix64(seed + mix64(first_sample)),
+                           .independent_points = !method.low_discrepancy,
+                           .mis = method.mis,
+                           .walk = method.walk};
 }
 
 }  // namespace diaphane::render

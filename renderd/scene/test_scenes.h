@@ -127,7 +127,7 @@ class Prepared {
     const PreparedTransfer& t = *scene_.transfer;
     SceneView<LinearVolume> view =
         view_of(scene_, LinearVolume{volume_.voxels.data(), size_of(volume_.header)},
-                t.extinction.data(), t.colour.data(), t.bounds.data(), scene_.lights.data(), seed);
+                t.extinction.data(), t.colour.data(), t.bounds.data(), LightArrays(scene_), seed);
     if (!t.gloss.empty()) view.transfer.gloss = t.gloss.data();
     if (!t.emission.empty()) view.transfer.emission = t.emission.data();
     return view;

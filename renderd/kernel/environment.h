@@ -1,0 +1,52 @@
+#pragma once
+
+#include "renderd/kernel/features.h"
+#include "renderd/kernel/light_texture.h"
+#include "renderd/kernel/views.h"
+
+// Environment lights with a texture. There may be several, each in a frame of its own.
+
+namespace diaphane::render {
+
+/// All of them in one direction.
+struct MapsHit {
+  Float3 radiance;
+  float density;  ///< of sample_maps, per steradian
+};
+/// `direction` is a unit vector in the volume's frame.
+HOST_DEVICE MapsHit meet_maps(const LightsView& lights, Float3 direction) {
+  MapsHit hit{};
+  for (std::uint32_t i = 0; i < lights.map_count; ++i) {
+    const EnvironmentMap& map = lights.maps[i];
+    const LightTexture& texture = lights.textures[map.texture];
+    const TexturePoint p =
+        map_point(dot(direction, map.right), dot(direction, map.middle), dot(direction, map.up));
+    hit.radiance += map.radiance * colour_at<TextureEdge::kWrapAcross>(lights, texture, p);
+    hit.density += map.probability * map_density(lights, texture, p);
+  }
+  return hit;
+}
+
+/// A unit direction in the volume's frame, about in proportion to the maps' radiance.
+HOST_DEVICE Float3 sample_maps(const LightsView& lights, float u, float v) {
+  const std::uint32_t i = first_above(
+      lights.map_count, u, [&lights](std::uint32_t k) { return lights.maps[k].cumulative; });
+  const EnvironmentMap& map = lights.maps[i];
+  u = stretched(u, map.probability, map.cumulative);
+  const Float3 d = sample_map(lights, lights.textures[map.texture], u, v);
+  return map.right * d.x + map.middle * d.y + map.up * d.z;
+}
+
+/// Radiance that a camera ray sees beyond everything; `direction` is a unit vector, mm.
+template <Features F, typename Volume>
+HOST_DEVICE Float3 escape_radiance(const SceneView<Volume>& scene, Float3 direction) {
+  if constexpr (F.has(Feature::kTexturedEnvironment)) {
+    if (scene.lights.maps_seen) {
+      return scene.escape + meet_maps(scene.lights, direction).radiance;
+    }
+  }
+  (void)direction;
+  return scene.escape;
+}
+
+}  // namespace diaphane::render

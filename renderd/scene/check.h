@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "api/proto/scene.pb.h"
+#include "common/result.h"
+
+// What the checks of a scene's parts share. Fields are named as in the JSON form.
+
+namespace diaphane::render {
+
+inline constexpr double kLongestDistance = 1e7;  ///< mm
+inline constexpr double kBrightest = 1e15;       ///< radiance
+
+/// The first thing wrong, or nothing.
+using Complaint = std::optional<Error>;
+
+inline Complaint complain(std::string field, const std::string& what) {
+  return Error{ErrorCode::kInvalid, field + " " + what, std::move(field)};
+}
+
+/// NaN fails every comparison, so each check asks for what is right, never for what is wrong.
+inline Complaint in_range(double value, double low, double high, const std::string& field,
+                          const char* what) {
+  if (value >= low && value <= high) return {};
+  return complain(field, what);
+}
+
+inline Complaint check(const diaphane::v1::Vec3& v, const std::string& field) {
+  const std::pair<const char*, double> parts[] = {{".x", v.x()}, {".y", v.y()}, {".z", v.z()}};
+  for (const auto& [name, value] : parts) {
+    if (auto c = in_range(value, -kLongestDistance, kLongestDistance, field + name,
+                          "must be a number within 1e7 mm")) {
+      return c;
+    }
+  }
+  return {};
+}
+
+inline Complaint check(const diaphane::v1::Rgb& v, double most, const std::string& field,
+                       const char* what) {
+  const std::pair<const char*, double> parts[] = {{".r", v.r()}, {".g", v.g()}, {".b", v.b()}};
+  for (const auto& [name, value] : parts) {
+    if (auto c = in_range(value, 0, most, field + name, what)) return c;
+  }
+  return {};
+}
+
+/// All of `scene.lights`.
+Complaint check_lights(const diaphane::v1::Scene& scene);
+
+}  // namespace diaphane::render

@@ -1,0 +1,143 @@
+#include <algorithm>
+#include <string>
+
+#include "renderd/math/vector.h"
+#include "renderd/scene/check.h"
+#include "renderd/scene/frame.h"
+#include "renderd/scene/texture.h"
+
+namespace diaphane::render {
+namespace {
+
+using render::check;  // beside those below
+
+constexpr int kMostLights = 4096;
+constexpr double kShortestEdge = 1e-6;  // mm
+
+Complaint check_radiance(const diaphane::v1::Rgb& radiance, const std::string& field) {
+  return check(radiance, kBrightest, field + ".radiance", "must be from 0 to 1e15");
+}
+
+/// Its size and head; what is wrong behind them, decoding finds.
+template <typename Shape>
+Complaint check_texture(const Shape& shape, const std::string& field) {
+  if (!shape.has_texture()) return {};
+  const auto size = texture_size(shape.texture().picture());
+  if (size) return {};
+  Complaint complaint = complain(field + ".texture", size.error().message);
+  complaint->code = size.error().code;
+  return complaint;
+}
+
+Complaint check_edge(const diaphane::v1::Vec3& edge, const std::string& field) {
+  if (auto c = check(edge, field)) return c;
+  if (length(vector_of(edge)) >= kShortestEdge) return {};
+  return complain(field, "must be at least 1e-6 mm long");
+}
+
+Complaint check_radius(double radius, const std::string& field) {
+  if (radius == 0) return {};
+  return in_range(radius, kShortestEdge, kLongestDistance, field + ".radius",
+                  "must be 0 (a point) or from 1e-6 to 1e7 mm");
+}
+
+Complaint check(const diaphane::v1::RectangleLight& light, const std::string& field) {
+  if (auto c = check(light.corner(), field + ".corner")) return c;
+  if (auto c = check_edge(light.u(), field + ".u")) return c;
+  if (auto c = check_edge(light.v(), field + ".v")) return c;
+  const Double3 u = vector_of(light.u()), v = vector_of(light.v());
+  if (!(length(cross(u, v)) > 1e-6 * length(u) * length(v))) {
+    return complain(field + ".v", "must not be parallel to u");
+  }
+  if (auto c = check_radiance(light.radiance(), field)) return c;
+  return check_texture(light, field);
+}
+
+Complaint check(const diaphane::v1::DiskLight& light, const std::string& field) {
+  if (auto c = check(light.centre(), field + ".centre")) return c;
+  if (auto c = check(light.normal(), field + ".normal")) return c;
+  if (!(length(vector_of(light.normal())) >= 1e-6)) {
+    return complain(field + ".normal", "must be a direction: at least 1e-6 long");
+  }
+  if (auto c = check_radius(light.radius(), field)) return c;
+  if (auto c = check_radiance(light.radiance(), field)) return c;
+  return check_texture(light, field);
+}
+
+Complaint check(const diaphane::v1::SphereLight& light, const std::string& field) {
+  if (auto c = check(light.centre(), field + ".centre")) return c;
+  if (auto c = check_radius(light.radius(), field)) return c;
+  if (auto c = check_radiance(light.radiance(), field)) return c;
+  return check_texture(light, field);
+}
+
+Complaint check(const diaphane::v1::BoxLight& light, const std::string& field) {
+  if (auto c = check(light.corner(), field + ".corner")) return c;
+  if (auto c = check_edge(light.u(), field + ".u")) return c;
+  if (auto c = check_edge(light.v(), field + ".v")) return c;
+  if (auto c = check_edge(light.w(), field + ".w")) return c;
+  const Double3 u = vector_of(light.u()), v = vector_of(light.v()), w = vector_of(light.w());
+  if (!(length(cross(u, v)) > 1e-6 * length(u) * length(v))) {
+    return complain(field + ".v", "must not be parallel to u");
+  }
+  const double volume = dot(cross(u, v), w);
+  if (!(std::max(volume, -volume) > 1e-6 * length(cross(u, v)) * length(w))) {
+    return complain(field + ".w", "must not lie in the plane of u and v");
+  }
+  if (auto c = check_radiance(light.radiance(), field)) return c;
+  return check_texture(light, field);
+}
+
+Complaint check(const diaphane::v1::EnvironmentLight& light, const std::string& field) {
+  if (auto c = check_radiance(light.radiance(), field)) return c;
+  return check_texture(light, field);
+}
+
+Complaint check_shape(const diaphane::v1::Light& light, const std::string& field) {
+  switch (light.shape_case()) {
+    case diaphane::v1::Light::kRectangle:
+      return check(light.rectangle(), field + ".rectangle");
+    case diaphane::v1::Light::kEnvironment:
+      return check(light.environment(), field + ".environment");
+    case diaphane::v1::Light::kDisk:
+      return check(light.disk(), field + ".disk");
+    case diaphane::v1::Light::kSphere:
+      return check(light.sphere(), field + ".sphere");
+    case diaphane::v1::Light::kBox:
+      return check(light.box(), field + ".box");
+    case diaphane::v1::Light::SHAPE_NOT_SET:
+      break;
+  }
+  return complain(field, "needs a shape");
+}
+
+double brightest_of(const diaphane::v1::Light& light) {
+  const diaphane::v1::Rgb& c = light.has_rectangle() ? light.rectangle().radiance()
+                               : light.has_disk()    ? light.disk().radiance()
+                               : light.has_sphere()  ? light.sphere().radiance()
+                               : light.has_box()     ? light.box().radiance()
+                                                     : light.environment().radiance();
+  return std::max({c.r(), c.g(), c.b()});
+}
+
+Complaint check(const diaphane::v1::Light& light, const std::string& field) {
+  if (auto c = check_shape(light, field)) return c;
+  if (auto c = in_range(light.intensity(), 0, kBrightest, field + ".intensity",
+                        "must be from 0 (which means 1) to 1e15")) {
+    return c;
+  }
+  return in_range(light.intensity() * brightest_of(light), 0, kBrightest, field + ".intensity",
+                  "times the radiance must be 1e15 at most");
+}
+
+}  // namespace
+
+Complaint check_lights(const diaphane::v1::Scene& scene) {
+  if (scene.lights_size() > kMostLights) return complain("lights", "may be 4096 at most");
+  for (int i = 0; i < scene.lights_size(); ++i) {
+    if (auto c = check(scene.lights(i), "lights[" + std::to_string(i) + "]")) return c;
+  }
+  return {};
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,183 @@
+#include "renderd/scene/light_textures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "renderd/scene/texture.h"
+
+namespace diaphane::render {
+namespace {
+
+/// Of the mean of a row and of a map, added to each texel's brightness: every direction is drawn
+/// now and then, and no texel's probability drowns in the rounding of its row's sums.
+constexpr double kFloor = 0.01;
+
+double brightness(const Float4& c) {
+  return static_cast<double>(c.x) + static_cast<double>(c.y) + static_cast<double>(c.z);
+}
+
+/// Mean brightness of the interpolated picture over a texel: 1/8, 6/8, 1/8 of three each way.
+double mean_over_texel(std::span<const Float4> texels, std::size_t width, std::size_t height,
+                       std::size_t i, std::size_t j) {
+  const std::size_t columns[] = {i == 0 ? width - 1 : i - 1, i, i + 1 == width ? 0 : i + 1};
+  const std::size_t rows[] = {j == 0 ? 0 : j - 1, j, j + 1 == height ? j : j + 1};
+  constexpr double kWeights[] = {0.125, 0.75, 0.125};
+  double sum = 0;
+  for (std::size_t b = 0; b < 3; ++b) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      sum += kWeights[a] * kWeights[b] * brightness(texels[columns[a] + width * rows[b]]);
+    }
+  }
+  return sum;
+}
+
+/// Running sums of `weights`, with a floor, over their total; 1 at the end.
+template <typename Store>
+void accumulate(const std::vector<double>& weights, const Store& store) {
+  double total = 0;
+  for (const double w : weights) total += w;
+  const auto count = static_cast<double>(weights.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    sum += total > 0 ? (weights[i] / total + kFloor / count) / (1 + kFloor) : 1 / count;
+    store(i, i + 1 == weights.size() ? 1.0f : static_cast<float>(std::min(sum, 1.0)));
+  }
+}
+
+/// The texels' w and the rows: how directions are drawn.
+void add_distribution(std::span<Float4> texels, std::size_t width, std::size_t height,
+                      std::vector<float>& rows) {
+  std::vector<double> in_row(height), of_texel(width);
+  for (std::size_t j = 0; j < height; ++j) {
+    for (std::size_t i = 0; i < width; ++i) {
+      of_texel[i] = mean_over_texel(texels, width, height, i, j);
+      in_row[j] += of_texel[i];
+    }
+    const double middle =
+        std::numbers::pi * (static_cast<double>(j) + 0.5) / static_cast<double>(height);
+    in_row[j] *= std::sin(middle);
+    accumulate(of_texel, [&](std::size_t i, float sum) { texels[i + width * j].w = sum; });
+  }
+  const std::size_t first = rows.size();
+  rows.resize(first + height);
+  accumulate(in_row, [&](std::size_t j, float sum) { rows[first + j] = sum; });
+}
+
+void add_means(std::span<const Float4> texels, std::size_t width, std::size_t height,
+               PreparedTextures& out) {
+  Double3 plain{}, sky{};
+  double weights = 0;
+  for (std::size_t j = 0; j < height; ++j) {
+    Double3 row{};
+    for (std::size_t i = 0; i < width; ++i) {
+      const Float4& c = texels[i + width * j];
+      row += to_double(Float3{c.x, c.y, c.z});
+    }
+    const double weight =
+        std::sin(std::numbers::pi * (static_cast<double>(j) + 0.5) / static_cast<double>(height));
+    plain += row;
+    sky += row * weight;
+    weights += weight;
+  }
+  const auto columns = static_cast<double>(width);
+  out.means.push_back(plain * (1 / (columns * static_cast<double>(height))));
+  out.sky_means.push_back(sky * (1 / (columns * weights)));
+}
+
+/// `out` has the picture's entry and room; the picture is the last of all.
+void add_picture(const TexturePicture& picture, PreparedTextures& out) {
+  const std::size_t width = picture.size.width, height = picture.size.height;
+  const std::size_t first = out.texels.size();
+  out.texels.resize(first + width * height);
+  const std::span<Float4> texels = std::span(out.texels).subspan(first);
+  for (std::size_t i = 0; i < texels.size(); ++i) {
+    const std::uint8_t* c = picture.rgb.data() + 3 * i;
+    texels[i] = {linear_of(c[0]), linear_of(c[1]), linear_of(c[2]), 0.0f};
+  }
+  add_means(texels, width, height, out);
+  add_distribution(texels, width, height, out.rows);
+}
+
+void copy_texture(const PreparedTextures& from, std::uint32_t index, PreparedTextures& out) {
+  const LightTexture& t = from.textures[index];
+  const auto texels = std::span(from.texels)
+                          .subspan(t.first_texel, static_cast<std::size_t>(t.width) *
+                                                      static_cast<std::size_t>(t.height));
+  const auto rows = std::span(from.rows).subspan(t.first_row, static_cast<std::size_t>(t.height));
+  out.texels.insert(out.texels.end(), texels.begin(), texels.end());
+  out.rows.insert(out.rows.end(), rows.begin(), rows.end());
+  out.means.push_back(from.means[index]);
+  out.sky_means.push_back(from.sky_means[index]);
+}
+
+bool has(const PreparedTextures& textures, const std::string& file) {
+  return std::find(textures.files.begin(), textures.files.end(), file) != textures.files.end();
+}
+
+/// Without those that repeat one before.
+std::vector<TextureFile> different(const std::vector<TextureFile>& files) {
+  std::vector<TextureFile> out;
+  for (const TextureFile& f : files) {
+    const bool known = std::any_of(out.begin(), out.end(),
+                                   [&f](const TextureFile& o) { return *o.file == *f.file; });
+    if (!known) out.push_back(f);
+  }
+  return out;
+}
+
+tl::unexpected<Error> named(const std::string& field, const Error& error) {
+  return fail(error.code, field + " " + error.message, field);
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const PreparedTextures>> prepare_textures(
+    const std::vector<TextureFile>& files, const std::shared_ptr<const PreparedTextures>& before) {
+  if (files.empty()) return nullptr;
+  const std::vector<TextureFile> wanted = different(files);
+  if (before && before->files.size() == wanted.size() &&
+      std::equal(wanted.begin(), wanted.end(), before->files.begin(),
+                 [](const TextureFile& a, const std::string& b) { return *a.file == b; })) {
+    return before;
+  }
+  // Sizes first: nothing is decoded of what is too much in all.
+  std::size_t total = 0;
+  std::vector<TextureSize> sizes;
+  for (const TextureFile& f : wanted) {
+    const auto size = texture_size(*f.file);
+    if (!size) return named(f.field, size.error());
+    total += std::size_t{size->width} * size->height;
+    if (total > kMostTexels) {
+      return fail(ErrorCode::kInvalid,
+                  f.field + " is too much: a scene's textures may have 16777216 pixels in all",
+                  f.field);
+    }
+    sizes.push_back(*size);
+  }
+  auto out = std::make_shared<PreparedTextures>();
+  out->texels.reserve(total);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    out->textures.push_back({static_cast<std::uint32_t>(out->texels.size()),
+                             static_cast<std::uint32_t>(out->rows.size()),
+                             static_cast<std::int32_t>(sizes[i].width),
+                             static_cast<std::int32_t>(sizes[i].height)});
+    out->files.push_back(*wanted[i].file);
+    if (before && has(*before, *wanted[i].file)) {
+      copy_texture(*before, texture_index(*before, *wanted[i].file), *out);
+      continue;
+    }
+    const auto picture = decode_texture(*wanted[i].file);
+    if (!picture) return named(wanted[i].field, picture.error());
+    add_picture(*picture, *out);
+  }
+  return out;
+}
+
+std::uint32_t texture_index(const PreparedTextures& textures, const std::string& file) {
+  const auto at = std::find(textures.files.begin(), textures.files.end(), file);
+  return static_cast<std::uint32_t>(at - textures.files.begin());
+}
+
+}  // namespace diaphane::render
