@@ -113,6 +113,13 @@ TEST(CpuEngine, ARefusedSceneLeavesPictureAndProgress) {
   const auto refused = s.renderer->set_scene(bad, kCanvas);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().field, "camera.eye.y");
+  bad = test::skull_scene();
+  bad.mutable_clip()->add_planes();
+  bad.mutable_camera()->set_aperture_radius(2);
+  EXPECT_EQ(s.renderer->set_scene(bad, kCanvas).error().field, "clip.planes[0].normal");
+  bad = test::skull_scene();
+  bad.mutable_slices()->mutable_axial()->set_shown(true);
+  EXPECT_EQ(s.renderer->set_scene(bad, kCanvas).error().field, "slices.windowWidth");
   EXPECT_FALSE(s.renderer->set_scene(test::skull_scene(), Canvas{0, 4}));
   EXPECT_EQ(s.renderer->progress().samples, 2u);
   EXPECT_EQ(radiance(*s.renderer), before);
