@@ -263,7 +263,7 @@ TEST(Clip, APlaneLeavesItsPartOfTheTransmittance) {
       int through = 0;
       for (int i = 0; i < kSamples; ++i) {
         Random random(5, x + 8 * y, static_cast<std::uint64_t>(i));
-        const Sight sight = sight_along<kClip>(view, r.ray);
+        const Sight sight = sight_along<kClip>(view, r);
         through += !(sight.span.begin < sight.span.end) ||
                            !track(r.ray, sight.span, view.grid,
                                   Medium<LinearVolume>{view.volume, view.transfer}, random)

@@ -106,7 +106,7 @@ void expect_exact(const volume::Volume& v, const int* axis, const double* sign) 
       const Expected e = expected_slice(v, scene, axis, sign, static_cast<double>(x),
                                         static_cast<double>(y), canvas);
       if (e.margin < 1e-3) continue;
-      const Sight sight = sight_along<kSlices>(view, camera_ray<kSlices>(view, x, y).ray);
+      const Sight sight = sight_along<kSlices>(view, camera_ray<kSlices>(view, x, y));
       ASSERT_EQ(sight.slice, e.found) << x << " " << y;
       EXPECT_FALSE(sight.span.begin < sight.span.end) << "no matter is traced";
       if (!e.found) {
