@@ -3,18 +3,21 @@
 #include <string>
 
 #include "renderd/engine/cuda_error.h"
-#include "renderd/engine/cuda_kernels.h"
 #include "renderd/engine/cuda_renderer.h"
+#include "renderd/engine/cuda_trace.h"
 #include "renderd/engine/cuda_volume.h"
 
 namespace diaphane::render {
 namespace {
 
 /// Device 0 of those that are visible is every thread's current device, so no call needs to choose
-/// it. Nothing here changes after construction: volumes and renderers have their own streams.
+/// it. Volumes and renderers have their own streams; what they share is safe for threads.
 class CudaEngine : public Engine {
  public:
-  explicit CudaEngine(EngineInfo info) : info_(std::move(info)) {}
+  CudaEngine(EngineInfo info, const EngineOptions& options, int architecture)
+      : info_(std::move(info)),
+        variants_(std::make_shared<cuda::VariantStore>(options.kernels, options.kernel_cache,
+                                                       architecture)) {}
 
   EngineInfo info() const override { return info_; }
 
@@ -32,24 +35,28 @@ class CudaEngine : public Engine {
     if (method.walk == Walk::kExact) {
       return fail(ErrorCode::kUnsupported, "this engine has no exact walk", "estimator");
     }
-    return cuda::CudaRenderer::make(std::move(ours), seed, first_sample, method);
+    return cuda::CudaRenderer::make(std::move(ours), variants_, seed, first_sample, method);
   }
 
   EngineInfo info_;
+  std::shared_ptr<cuda::VariantStore> variants_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<Engine>> make_cuda_engine() {
+Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineOptions& options) {
   int count = 0;
   DIAPHANE_CUDA_TRY(cudaGetDeviceCount(&count));
   if (count == 0) return fail(ErrorCode::kUnavailable, "no CUDA device is visible");
   cudaDeviceProp properties{};
   DIAPHANE_CUDA_TRY(cudaGetDeviceProperties(&properties, 0));
   // Also makes the context: a device that is broken or has no code of ours says so now.
-  DIAPHANE_CUDA_TRY(cuda::probe());
+  cudaFuncAttributes attributes{};
+  DIAPHANE_CUDA_TRY(
+      cudaFuncGetAttributes(&attributes, cuda::kTraceKernel.ahead_of_time(kAllFeatures).entry));
   return std::make_unique<CudaEngine>(
-      EngineInfo{"cuda", properties.name, properties.totalGlobalMem});
+      EngineInfo{"cuda", properties.name, properties.totalGlobalMem}, options,
+      10 * properties.major + properties.minor);
 }
 
 }  // namespace diaphane::render

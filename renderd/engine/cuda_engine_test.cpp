@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "renderd/engine/cuda_error.h"
-#include "renderd/engine/cuda_kernels.h"
+#include "renderd/engine/cuda_test_kernels.h"
 #include "renderd/engine/cuda_test_support.h"
 
 namespace diaphane::render::cuda {
@@ -115,7 +115,7 @@ TEST_F(CudaEngineTest, ANewSceneStartsAfreshAndAsIfItWereTheFirst) {
   other.mutable_lights()->DeleteSubrange(0, 2);
   other.mutable_phase()->set_g(0);
   ASSERT_TRUE(render_all(*used, other, {33, 21}, 8));
-  EXPECT_EQ(used->features(), std::vector<std::string>{"environment light"});
+  EXPECT_EQ(used->features(), std::vector<std::string>{"environment"});
   ASSERT_TRUE(render_all(*used, full_scene(), kCanvas, 24));
   EXPECT_EQ(radiance_of(*used), rendered(24));
 }
@@ -155,7 +155,7 @@ TEST_F(CudaEngineTest, WhatDoesNotFitIsRefusedAndHarmsNothing) {
     const auto volume = engine_->load(constant_volume(512, 7));  // 256 MB
     ASSERT_FALSE(volume);
     EXPECT_EQ(volume.error().code, ErrorCode::kOutOfMemory);
-    const auto scene = one->set_scene(full_scene(), {8192, 8192});  // 5 GB
+    const auto scene = one->set_scene(full_scene(), {8192, 8192});  // 2.7 GB
     ASSERT_FALSE(scene);
     EXPECT_EQ(scene.error().code, ErrorCode::kOutOfMemory);
     EXPECT_EQ(before, radiance_of(*one));
@@ -198,8 +198,7 @@ TEST_F(CudaEngineTest, BeerLambertHolds) {
   auto volume = (*engine)->load(lumpy_volume(8, 8, 8));
   auto one = (*engine)->renderer(*volume, 1, 0);
   const auto begun = render_all(**one, full_scene(), kCanvas, 4);
-  const FilmView nowhere{nullptr, nullptr, nullptr};
-  fold_batch(nowhere, nullptr, 1, nullptr, nullptr);
+  add_batches(TraceTarget{{nullptr, nullptr, nullptr}, nullptr}, nullptr, 1, nullptr);
   cudaDeviceSynchronize();
   const auto lost = [](const auto& result) {
     return !result && result.error().code == ErrorCode::kDeviceLost;

@@ -6,8 +6,13 @@
 namespace diaphane::render::cuda {
 namespace {
 
+/// Pixels whose radiance is made at a time: 12 bytes each, only while it is made.
+constexpr std::uint64_t kRadiancePixels = 1 << 18;
+
+/// Nothing where the buffer is there already.
 template <typename T>
 Result<void> allocate(DeviceBuffer<T>& buffer, std::uint64_t count) {
+  if (buffer.data() != nullptr) return {};
   auto made = DeviceBuffer<T>::of(count);
   if (!made) return tl::unexpected(made.error());
   buffer = std::move(*made);
@@ -23,11 +28,8 @@ Result<CudaFilm> CudaFilm::make(Canvas canvas) {
   DIAPHANE_TRY(allocate(film.sum_, 3 * pixels));
   DIAPHANE_TRY(allocate(film.difference_, 3 * pixels));
   DIAPHANE_TRY(allocate(film.state_, pixels));
-  DIAPHANE_TRY(allocate(film.batch_, pixels));
   DIAPHANE_TRY(allocate(film.dropped_, 1));
-  DIAPHANE_TRY(allocate(film.counts_, kWhiteBins));
-  DIAPHANE_TRY(allocate(film.tiles_, film.tile_count()));
-  DIAPHANE_TRY(allocate(film.picture_, 3 * pixels));
+  film.rows_ = RowCounts(canvas.height);
   return film;
 }
 
@@ -36,8 +38,13 @@ std::uint32_t CudaFilm::tile_count() const {
          ((canvas_.height + kTileSize - 1) / kTileSize);
 }
 
+std::uint64_t CudaFilm::device_bytes() const {
+  return sum_.bytes() + difference_.bytes() + state_.bytes() + dropped_.bytes() +
+         by_stripe_.bytes() + counts_.bytes() + tiles_.bytes() + display_.bytes();
+}
+
 Result<void> CudaFilm::clear(cudaStream_t stream) {
-  samples_ = 0;
+  rows_ = RowCounts(canvas_.height);
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(sum_.data(), 0, sum_.bytes(), stream));
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(difference_.data(), 0, difference_.bytes(), stream));
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(state_.data(), 0, state_.bytes(), stream));
@@ -45,11 +52,20 @@ Result<void> CudaFilm::clear(cudaStream_t stream) {
   return {};
 }
 
-Result<void> CudaFilm::fold(std::uint32_t samples, cudaStream_t stream) {
-  DIAPHANE_CUDA_TRY(fold_batch({sum_.data(), difference_.data(), state_.data()}, batch_.data(),
-                               pixels(), dropped_.data(), stream));
-  samples_ += samples;
-  return {};
+Result<FilmPicture> CudaFilm::picture(cudaStream_t stream) const {
+  FilmPicture picture{{sum_.data(), difference_.data(), state_.data()},
+                      canvas_.width,
+                      canvas_.height,
+                      {rows_.least(), nullptr}};
+  if (rows_.flat()) return picture;
+  std::vector<std::uint64_t> counts;
+  for (std::uint32_t row = 0; row < canvas_.height; row += kStripeRows) {
+    counts.push_back(rows_.of(row));
+  }
+  DIAPHANE_TRY(allocate(by_stripe_, counts.size()));
+  DIAPHANE_TRY(upload(by_stripe_, counts.data(), counts.size(), stream));
+  picture.samples.by_stripe = by_stripe_.data();
+  return picture;
 }
 
 Result<std::uint64_t> CudaFilm::dropped(cudaStream_t stream) const {
@@ -59,30 +75,41 @@ Result<std::uint64_t> CudaFilm::dropped(cudaStream_t stream) const {
 }
 
 Result<double> CudaFilm::error(cudaStream_t stream) const {
-  if (samples_ < 2) return std::numeric_limits<double>::infinity();
+  if (samples() < 2) return std::numeric_limits<double>::infinity();
+  DIAPHANE_TRY(allocate(counts_, kWhiteBins));
+  DIAPHANE_TRY(allocate(tiles_, tile_count()));
+  const auto film = picture(stream);
+  if (!film) return tl::unexpected(film.error());
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(counts_.data(), 0, counts_.bytes(), stream));
-  DIAPHANE_CUDA_TRY(white_histogram(view(), pixels(), samples_, counts_.data(), stream));
+  DIAPHANE_CUDA_TRY(white_histogram(*film, counts_.data(), stream));
   WhiteHistogram histogram;
   DIAPHANE_TRY(download(histogram.counts, counts_, kWhiteBins, stream));
   const float white = white_from_histogram(histogram);
-  DIAPHANE_CUDA_TRY(tile_errors(view(), canvas_.width, canvas_.height, samples_, 1.0f / white,
-                                tiles_.data(), stream));
+  DIAPHANE_CUDA_TRY(tile_errors(*film, 1.0f / white, tiles_.data(), stream));
   std::vector<TileError> tiles(tile_count());
   DIAPHANE_TRY(download(tiles.data(), tiles_, tiles.size(), stream));
-  return total_error(tiles, samples_);
+  return total_error(tiles, samples());
 }
 
 Result<void> CudaFilm::display(float scale, std::uint8_t* rgb, cudaStream_t stream) const {
-  DIAPHANE_CUDA_TRY(display_film(view(), pixels(), samples_, scale, picture_.data(), stream));
-  return download(rgb, picture_, 3 * pixels(), stream);
+  DIAPHANE_TRY(allocate(display_, 3 * pixels()));
+  const auto film = picture(stream);
+  if (!film) return tl::unexpected(film.error());
+  DIAPHANE_CUDA_TRY(display_film(*film, scale, display_.data(), stream));
+  return download(rgb, display_, 3 * pixels(), stream);
 }
 
 Result<void> CudaFilm::radiance(float* rgb, cudaStream_t stream) const {
-  // Seldom asked for: its memory exists only while it is made.
-  auto made = DeviceBuffer<float>::of(3 * pixels());
-  if (!made) return tl::unexpected(made.error());
-  DIAPHANE_CUDA_TRY(mean_of_film(view(), pixels(), samples_, made->data(), stream));
-  return download(rgb, *made, 3 * pixels(), stream);
+  auto part = DeviceBuffer<float>::of(3 * smaller(pixels(), kRadiancePixels));
+  if (!part) return tl::unexpected(part.error());
+  const auto film = picture(stream);
+  if (!film) return tl::unexpected(film.error());
+  for (std::uint64_t first = 0; first < pixels(); first += kRadiancePixels) {
+    const std::uint64_t count = smaller(pixels() - first, kRadiancePixels);
+    DIAPHANE_CUDA_TRY(mean_of_film(*film, first, count, part->data(), stream));
+    DIAPHANE_TRY(download(rgb + 3 * first, *part, 3 * count, stream));
+  }
+  return {};
 }
 
 Result<void> CudaFilm::contents(std::uint8_t* met, cudaStream_t stream) const {

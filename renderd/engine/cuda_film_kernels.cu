@@ -18,25 +18,18 @@ __device__ void add(std::uint64_t* to, std::uint32_t count) {
   atomicAdd(reinterpret_cast<unsigned long long*>(to), static_cast<unsigned long long>(count));
 }
 
-__global__ void fold_kernel(FilmView film, const PixelBatch* batch, std::uint64_t pixels,
-                            std::uint64_t* dropped) {
-  const std::uint64_t pixel = thread_index();
-  if (pixel >= pixels) return;
-  const PixelBatch& b = batch[pixel];
-  fold(film, pixel, b);
-  if (const std::uint32_t count = b.dropped_even + b.dropped_odd; count != 0) {
-    add(dropped, count);
-  }
+__device__ PixelEstimate estimate_at(const FilmPicture& p, std::uint64_t pixel) {
+  return estimate_of(p.film, pixel, p.samples.of(static_cast<std::uint32_t>(pixel / p.width)));
 }
 
-__global__ void histogram_kernel(ConstFilmView film, std::uint64_t pixels, std::uint64_t samples,
-                                 std::uint64_t* counts) {
+__global__ void histogram_kernel(FilmPicture p, std::uint64_t* counts) {
   __shared__ std::uint32_t mine[kWhiteBins];
   for (std::uint32_t i = threadIdx.x; i < kWhiteBins; i += blockDim.x) mine[i] = 0;
   __syncthreads();
+  const std::uint64_t pixels = std::uint64_t{p.width} * p.height;
   const std::uint64_t stride = std::uint64_t{gridDim.x} * blockDim.x;
   for (std::uint64_t pixel = thread_index(); pixel < pixels; pixel += stride) {
-    const PixelEstimate e = estimate_of(film, pixel, samples);
+    const PixelEstimate e = estimate_at(p, pixel);
     if (!e.met_matter) continue;
     atomicAdd(&mine[white_bin(e.mean.x)], 1u);
     atomicAdd(&mine[white_bin(e.mean.y)], 1u);
@@ -49,8 +42,7 @@ __global__ void histogram_kernel(ConstFilmView film, std::uint64_t pixels, std::
 }
 
 /// One block a tile, one thread a pixel; the sum is a tree, so it is the same each time.
-__global__ void tile_kernel(ConstFilmView film, std::uint32_t width, std::uint32_t height,
-                            std::uint64_t samples, float inverse_white, TileError* tiles) {
+__global__ void tile_kernel(FilmPicture p, float inverse_white, TileError* tiles) {
   static_assert(kTileSize * kTileSize == kBlock);
   __shared__ float squared[kBlock];
   __shared__ std::uint32_t counted[kBlock];
@@ -59,8 +51,8 @@ __global__ void tile_kernel(ConstFilmView film, std::uint32_t width, std::uint32
   const std::uint32_t y = blockIdx.y * kTileSize + t / kTileSize;
   squared[t] = 0;
   counted[t] = 0;
-  if (x < width && y < height) {
-    const PixelEstimate e = estimate_of(film, x + std::uint64_t{width} * y, samples);
+  if (x < p.width && y < p.height) {
+    const PixelEstimate e = estimate_at(p, x + std::uint64_t{p.width} * y);
     if (e.met_matter) {
       squared[t] = squared_error(e, inverse_white);
       counted[t] = 1;
@@ -76,59 +68,53 @@ __global__ void tile_kernel(ConstFilmView film, std::uint32_t width, std::uint32
   if (t == 0) tiles[blockIdx.x + gridDim.x * blockIdx.y] = {squared[0], counted[0]};
 }
 
-__global__ void display_kernel(ConstFilmView film, std::uint64_t pixels, std::uint64_t samples,
-                               float scale, std::uint8_t* rgb) {
+__global__ void display_kernel(FilmPicture p, float scale, std::uint8_t* rgb) {
   const std::uint64_t pixel = thread_index();
-  if (pixel >= pixels) return;
-  const Float3 mean = estimate_of(film, pixel, samples).mean;
+  if (pixel >= std::uint64_t{p.width} * p.height) return;
+  const Float3 mean = estimate_at(p, pixel).mean;
   rgb[3 * pixel] = to_display(mean.x, scale);
   rgb[3 * pixel + 1] = to_display(mean.y, scale);
   rgb[3 * pixel + 2] = to_display(mean.z, scale);
 }
 
-__global__ void mean_kernel(ConstFilmView film, std::uint64_t pixels, std::uint64_t samples,
-                            float* rgb) {
-  const std::uint64_t pixel = thread_index();
-  if (pixel >= pixels) return;
-  const Float3 mean = estimate_of(film, pixel, samples).mean;
-  rgb[3 * pixel] = mean.x;
-  rgb[3 * pixel + 1] = mean.y;
-  rgb[3 * pixel + 2] = mean.z;
+__global__ void mean_kernel(FilmPicture p, std::uint64_t first, std::uint64_t count, float* rgb) {
+  const std::uint64_t i = thread_index();
+  if (i >= count) return;
+  const Float3 mean = estimate_at(p, first + i).mean;
+  rgb[3 * i] = mean.x;
+  rgb[3 * i + 1] = mean.y;
+  rgb[3 * i + 2] = mean.z;
 }
+
+std::uint64_t pixels_of(const FilmPicture& p) { return std::uint64_t{p.width} * p.height; }
 
 }  // namespace
 
-cudaError_t fold_batch(const FilmView& film, const PixelBatch* batch, std::uint64_t pixels,
-                       std::uint64_t* dropped, cudaStream_t stream) {
-  fold_kernel<<<blocks_for(pixels), kBlock, 0, stream>>>(film, batch, pixels, dropped);
-  return cudaGetLastError();
-}
-
-cudaError_t white_histogram(const ConstFilmView& film, std::uint64_t pixels, std::uint64_t samples,
-                            std::uint64_t* counts, cudaStream_t stream) {
+cudaError_t white_histogram(const FilmPicture& picture, std::uint64_t* counts,
+                            cudaStream_t stream) {
   // Some pixels a thread, so that the blocks' histograms are worth their making.
-  const std::uint32_t blocks = smaller(blocks_for((pixels + 7) / 8), 1024u);
-  histogram_kernel<<<blocks, kBlock, 0, stream>>>(film, pixels, samples, counts);
+  const std::uint32_t blocks = smaller(blocks_for((pixels_of(picture) + 7) / 8), 1024u);
+  histogram_kernel<<<blocks, kBlock, 0, stream>>>(picture, counts);
   return cudaGetLastError();
 }
 
-cudaError_t tile_errors(const ConstFilmView& film, std::uint32_t width, std::uint32_t height,
-                        std::uint64_t samples, float inverse_white, TileError* tiles,
+cudaError_t tile_errors(const FilmPicture& picture, float inverse_white, TileError* tiles,
                         cudaStream_t stream) {
-  const dim3 grid((width + kTileSize - 1) / kTileSize, (height + kTileSize - 1) / kTileSize);
-  tile_kernel<<<grid, kBlock, 0, stream>>>(film, width, height, samples, inverse_white, tiles);
+  const dim3 grid((picture.width + kTileSize - 1) / kTileSize,
+                  (picture.height + kTileSize - 1) / kTileSize);
+  tile_kernel<<<grid, kBlock, 0, stream>>>(picture, inverse_white, tiles);
   return cudaGetLastError();
 }
 
-cudaError_t display_film(const ConstFilmView& film, std::uint64_t pixels, std::uint64_t samples,
-                         float scale, std::uint8_t* rgb, cudaStream_t stream) {
-  display_kernel<<<blocks_for(pixels), kBlock, 0, stream>>>(film, pixels, samples, scale, rgb);
+cudaError_t display_film(const FilmPicture& picture, float scale, std::uint8_t* rgb,
+                         cudaStream_t stream) {
+  display_kernel<<<blocks_for(pixels_of(picture)), kBlock, 0, stream>>>(picture, scale, rgb);
   return cudaGetLastError();
 }
 
-cudaError_t mean_of_film(const ConstFilmView& film, std::uint64_t pixels, std::uint64_t samples,
+cudaError_t mean_of_film(const FilmPicture& picture, std::uint64_t first, std::uint64_t count,
                          float* rgb, cudaStream_t stream) {
-  mean_kernel<<<blocks_for(pixels), kBlock, 0, stream>>>(film, pixels, samples, rgb);
+  mean_kernel<<<blocks_for(count), kBlock, 0, stream>>>(picture, first, count, rgb);
   return cudaGetLastError();
 }
 

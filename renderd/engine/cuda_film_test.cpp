@@ -4,6 +4,7 @@
 #include <cstring>
 #include <random>
 
+#include "renderd/engine/cuda_test_kernels.h"
 #include "renderd/engine/cuda_test_support.h"
 
 namespace diaphane::render::cuda {
@@ -43,10 +44,12 @@ class CudaFilmTest : public CudaTest {
         diaphane::render::fold({sum_.data(), difference_.data(), state_.data()}, i, batch[i]);
         dropped_ += batch[i].dropped_even + batch[i].dropped_odd;
       }
-      ASSERT_EQ(cudaMemcpyAsync(film_.batch(), batch.data(), kPixels * sizeof(PixelBatch),
-                                cudaMemcpyHostToDevice, stream_.get()),
-                cudaSuccess);
-      ASSERT_TRUE(film_.fold(samples, stream_.get()));
+      auto device = DeviceBuffer<PixelBatch>::of(kPixels);
+      ASSERT_TRUE(device);
+      ASSERT_TRUE(upload(*device, batch.data(), kPixels, stream_.get()));
+      ASSERT_EQ(add_batches(film_.target(), device->data(), kPixels, stream_.get()), cudaSuccess);
+      film_.done(film_.next(first + samples, 100), kCanvas.height);
+      ASSERT_EQ(film_.samples(), first + samples);
       first += samples;
     }
   }
@@ -103,6 +106,59 @@ TEST_F(CudaFilmTest, ThePictureIsTheHostsWithinOneLevel) {
   }
   // Rounding differs only where a value lies within 1e-4 of a level's border.
   EXPECT_LT(other, 3 * kPixels / 500);
+}
+
+TEST_F(CudaFilmTest, RowsThatAreAheadAreDividedByTheirOwnCount) {
+  // One more batch of 5, of which the first 16 rows were done when somebody said stop.
+  const auto batch = random_batch(77, film_.samples(), 5);
+  constexpr std::size_t kAhead = 16 * kCanvas.width;
+  auto device = DeviceBuffer<PixelBatch>::of(kAhead);
+  ASSERT_TRUE(device);
+  ASSERT_TRUE(upload(*device, batch.data(), kAhead, stream_.get()));
+  ASSERT_EQ(add_batches(film_.target(), device->data(), kAhead, stream_.get()), cudaSuccess);
+  for (std::size_t i = 0; i < kAhead; ++i) {
+    diaphane::render::fold({sum_.data(), difference_.data(), state_.data()}, i, batch[i]);
+  }
+  film_.done(film_.next(film_.samples() + 5, 5), 16);
+  EXPECT_EQ(film_.samples(), 24u);
+  std::vector<float> picture(3 * kPixels);
+  ASSERT_TRUE(film_.radiance(picture.data(), stream_.get()));
+  for (std::size_t i = 0; i < kPixels; ++i) {
+    ASSERT_FLOAT_EQ(picture[3 * i], estimate_of(host(), i, i < kAhead ? 29 : 24).mean.x) << i;
+  }
+}
+
+TEST_F(CudaFilmTest, APictureIsTheSameInOnePieceAndInSeveral) {
+  // More pixels than radiance() makes at a time.
+  auto large = CudaFilm::make({1031, 700});
+  ASSERT_TRUE(large);
+  ASSERT_TRUE(large->clear(stream_.get()));
+  std::vector<PixelBatch> batch(large->pixels());
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    batch[i].add({static_cast<float>(i), 1, 0}, true, 0);
+  }
+  auto device = DeviceBuffer<PixelBatch>::of(batch.size());
+  ASSERT_TRUE(device);
+  ASSERT_TRUE(upload(*device, batch.data(), batch.size(), stream_.get()));
+  ASSERT_EQ(add_batches(large->target(), device->data(), batch.size(), stream_.get()), cudaSuccess);
+  large->done(large->next(1, 1), 700);
+  std::vector<float> picture(3 * large->pixels());
+  ASSERT_TRUE(large->radiance(picture.data(), stream_.get()));
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    ASSERT_EQ(picture[3 * i], static_cast<float>(i));
+    ASSERT_EQ(picture[3 * i + 1], 1.0f);
+  }
+}
+
+TEST_F(CudaFilmTest, ASessionAtFullHdTakesAtMost100MegabytesWithItsPicture) {
+  auto hd = CudaFilm::make({1920, 1080});
+  ASSERT_TRUE(hd);
+  ASSERT_TRUE(hd->clear(stream_.get()));
+  std::vector<std::uint8_t> picture(3 * hd->pixels());
+  ASSERT_TRUE(hd->display(1, picture.data(), stream_.get()));
+  hd->done(hd->next(4, 4), 1080);
+  ASSERT_TRUE(hd->error(stream_.get()));
+  EXPECT_LE(hd->device_bytes(), 92'000'000u) << "8 MB are for tables and cell bounds";
 }
 
 }  // namespace

@@ -4,66 +4,46 @@
 
 #include <cstdint>
 
+#include "renderd/engine/cuda_trace_types.h"
 #include "renderd/film/error.h"
 #include "renderd/film/film.h"
-#include "renderd/kernel/features.h"
-#include "renderd/kernel/views.h"
 
-// What the host asks of the device: each function queues one kernel on a stream and returns the
-// status of the launch.
+// What the host asks of the device beside tracing (cuda_variants.h): each function queues one
+// kernel on a stream and returns the status of the launch.
 
 namespace diaphane::render::cuda {
 
-/// Voxels in a 3D texture, fetched unfiltered and interpolated in fp32: the texture unit's own
-/// filter has weights of 8 bits. The same numbers as LinearVolume's, in a layout where neighbours
-/// along all axes are near.
-struct TextureVolume {
-  cudaTextureObject_t texture;  ///< int16, point sampling, element coordinates, clamped
-  Int3 size;
+/// Samples by row of a film: everywhere the same, or (after a batch that was stopped) by stripe of
+/// kStripeRows rows.
+struct RowSamples {
+  std::uint64_t everywhere;
+  const std::uint64_t* by_stripe;  ///< on the device; null: the same everywhere
 
-#if defined(__CUDACC__)
-  __device__ float at(Float3 index) const;
-  __device__ ValueSpan corner_range(Int3 cell) const;
-#endif
+  HOST_DEVICE std::uint64_t of(std::uint32_t row) const {
+    return by_stripe == nullptr ? everywhere : by_stripe[row / kStripeRows];
+  }
 };
 
-/// A part of one batch of samples: a stripe of rows.
-struct Stripe {
-  std::uint32_t first_row;    ///< a multiple of kStripeRows
-  std::uint32_t rows;         ///< to be traced; the last ones may lie below the picture
-  std::uint64_t film_sample;  ///< since the film was cleared: its parity chooses the half
-  std::uint32_t samples;      ///< per pixel
-  std::uint32_t lane_shift;   ///< 2^lane_shift threads share a pixel's samples
+/// A film as its kernels see it.
+struct FilmPicture {
+  ConstFilmView film;
+  std::uint32_t width, height;
+  RowSamples samples;
 };
-inline constexpr std::uint32_t kStripeRows = 8;
-inline constexpr std::uint32_t kMostLaneShift = 5;  ///< a warp
-
-/// Traces the stripe with the variant for `features` and writes its pixels of `batch` (one entry a
-/// pixel).
-cudaError_t trace(Features features, const SceneView<TextureVolume>& scene, const Stripe& stripe,
-                  PixelBatch* batch, cudaStream_t stream);
-
-/// Whether the device has code for the kernels.
-cudaError_t probe();
-
-/// Adds a whole batch to the film, and what it dropped to `dropped`.
-cudaError_t fold_batch(const FilmView& film, const PixelBatch* batch, std::uint64_t pixels,
-                       std::uint64_t* dropped, cudaStream_t stream);
 
 /// Adds the colours of the pixels that met matter to the kWhiteBins `counts`, which the
 /// caller has cleared.
-cudaError_t white_histogram(const ConstFilmView& film, std::uint64_t pixels, std::uint64_t samples,
-                            std::uint64_t* counts, cudaStream_t stream);
+cudaError_t white_histogram(const FilmPicture& picture, std::uint64_t* counts, cudaStream_t stream);
 
 /// One entry a tile of kTileSize, rows from the top.
-cudaError_t tile_errors(const ConstFilmView& film, std::uint32_t width, std::uint32_t height,
-                        std::uint64_t samples, float inverse_white, TileError* tiles,
+cudaError_t tile_errors(const FilmPicture& picture, float inverse_white, TileError* tiles,
                         cudaStream_t stream);
 
 /// 3 numbers a pixel.
-cudaError_t display_film(const ConstFilmView& film, std::uint64_t pixels, std::uint64_t samples,
-                         float scale, std::uint8_t* rgb, cudaStream_t stream);
-cudaError_t mean_of_film(const ConstFilmView& film, std::uint64_t pixels, std::uint64_t samples,
+cudaError_t display_film(const FilmPicture& picture, float scale, std::uint8_t* rgb,
+                         cudaStream_t stream);
+/// Of the pixels [first, first + count).
+cudaError_t mean_of_film(const FilmPicture& picture, std::uint64_t first, std::uint64_t count,
                          float* rgb, cudaStream_t stream);
 
 }  // namespace diaphane::render::cuda

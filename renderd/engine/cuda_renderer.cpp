@@ -3,6 +3,8 @@
 #include <chrono>
 #include <limits>
 
+#include "renderd/engine/cuda_trace.h"
+
 namespace diaphane::render::cuda {
 namespace {
 
@@ -22,11 +24,12 @@ tl::unexpected<Error> no_scene() {
 }  // namespace
 
 Result<std::unique_ptr<FrameRenderer>> CudaRenderer::make(std::shared_ptr<const CudaVolume> volume,
+                                                          std::shared_ptr<VariantStore> variants,
                                                           std::uint64_t seed,
                                                           std::uint64_t first_sample,
                                                           Method method) {
   std::unique_ptr<CudaRenderer> renderer(
-      new CudaRenderer(std::move(volume), seed, first_sample, method));
+      new CudaRenderer(std::move(volume), std::move(variants), seed, first_sample, method));
   auto stream = Stream::make();
   if (!stream) return tl::unexpected(stream.error());
   renderer->stream_ = std::move(*stream);
@@ -147,7 +150,7 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   DIAPHANE_TRY(film_->clear(stream_.get()));
   scene_ = scene;
   prepared_ = std::move(*prepared);
-  pending_ = {};
+  variant_ = variants_->get(kTraceKernel, prepared_.features);
   launch_size_.forget();
   seconds_ = 0;
   dropped_ = 0;
@@ -179,21 +182,22 @@ SceneView<TextureVolume> CudaRenderer::view() const {
   return view;
 }
 
-Result<bool> CudaRenderer::trace_pending(const std::function<bool()>& stop, Flight& flight) {
+Result<bool> CudaRenderer::trace_until(std::uint64_t target, const std::function<bool()>& stop,
+                                       Flight& flight) {
   const Canvas canvas = film_->canvas();
   const SceneView<TextureVolume> scene = view();
-  while (pending_.next_row < canvas.height) {
+  while (film_->samples() < target) {
     if (stop()) return false;
-    const std::uint32_t rows =
-        smaller(launch_size_.rows(canvas.width, pending_.samples, kStripeRows),
-                canvas.height - pending_.next_row);
-    const Stripe stripe{.first_row = pending_.next_row,
+    const RowCounts::Piece piece = film_->next(target, kMostSamples);
+    const std::uint32_t rows = smaller(launch_size_.rows(canvas.width, piece.samples, kStripeRows),
+                                       piece.last_row - piece.first_row);
+    const Stripe stripe{.first_row = piece.first_row,
                         .rows = rows,
-                        .film_sample = film_->samples(),
-                        .samples = pending_.samples,
-                        .lane_shift = lane_shift_for(pending_.samples, kMostLaneShift)};
-    DIAPHANE_CUDA_TRY(trace(prepared_.features, scene, stripe, film_->batch(), stream_.get()));
-    pending_.next_row += rows;
+                        .film_sample = piece.film_sample,
+                        .samples = piece.samples,
+                        .lane_shift = lane_shift_for(piece.samples, kMostLaneShift)};
+    DIAPHANE_CUDA_TRY(trace(*variant_, scene, stripe, film_->target(), stream_.get()));
+    film_->done(piece, rows);
     DIAPHANE_TRY(note_launch(flight, std::uint64_t{canvas.width} * rows * stripe.samples));
   }
   return true;
@@ -204,19 +208,13 @@ Result<Batch> CudaRenderer::render(std::uint32_t samples, const std::function<bo
   const auto start = std::chrono::steady_clock::now();
   Batch batch;
   Flight flight;
+  // The scene's own kernel may be ready by now; from the first sample on it is too late.
+  if (film_->empty()) variant_ = variants_->get(kTraceKernel, prepared_.features);
   DIAPHANE_CUDA_TRY(cudaEventRecord(events_[0].get(), stream_.get()));
-  while (batch.samples < samples) {
-    const std::uint32_t left = samples - batch.samples;
-    if (pending_.samples == 0 || pending_.samples > left) {
-      pending_ = {smaller(left, kMostSamples), 0};
-    }
-    auto whole = trace_pending(stop, flight);
-    if (!whole) return tl::unexpected(whole.error());
-    if (!*whole) break;
-    DIAPHANE_TRY(film_->fold(pending_.samples, stream_.get()));
-    batch.samples += pending_.samples;
-    pending_ = {};
-  }
+  const std::uint64_t before = film_->samples();
+  const auto whole = trace_until(before + samples, stop, flight);
+  if (!whole) return tl::unexpected(whole.error());
+  batch.samples = static_cast<std::uint32_t>(film_->samples() - before);
   auto dropped = film_->dropped(stream_.get());
   if (!dropped) return tl::unexpected(dropped.error());
   batch.dropped_samples = *dropped - dropped_;
@@ -269,6 +267,21 @@ std::vector<std::string> CudaRenderer::features() const {
     if (prepared_.features.has(static_cast<Feature>(i))) names.emplace_back(kFeatureNames[i]);
   }
   return names;
+}
+
+KernelReport CudaRenderer::report() const {
+  KernelReport report;
+  report.note = variants_->note();
+  if (!film_) return report;
+  list_features(variant_->features, report);
+  report.origin = variant_->origin;
+  report.compile_milliseconds = variant_->milliseconds;
+  report.from_cache = variant_->from_cache;
+  report.registers = variant_->registers;
+  report.local_bytes = variant_->local_bytes;
+  report.volume_bytes = volume_->device_bytes();
+  report.film_bytes = film_->device_bytes();
+  return report;
 }
 
 }  // namespace diaphane::render::cuda

@@ -8,6 +8,7 @@
 #include "renderd/engine/cuda_film.h"
 #include "renderd/engine/cuda_launch_size.h"
 #include "renderd/engine/cuda_memory.h"
+#include "renderd/engine/cuda_variants.h"
 #include "renderd/engine/cuda_volume.h"
 #include "renderd/engine/frame_renderer.h"
 #include "renderd/scene/prepared_scene.h"
@@ -18,6 +19,7 @@ namespace diaphane::render::cuda {
 class CudaRenderer : public FrameRenderer {
  public:
   static Result<std::unique_ptr<FrameRenderer>> make(std::shared_ptr<const CudaVolume> volume,
+                                                     std::shared_ptr<VariantStore> variants,
                                                      std::uint64_t seed, std::uint64_t first_sample,
                                                      Method method);
   /// Waits for what the stream still does: it writes into memory of this renderer.
@@ -30,6 +32,7 @@ class CudaRenderer : public FrameRenderer {
   Result<void> radiance(PictureRgbF& out) override;
   Result<void> contents(std::vector<std::uint8_t>& out) override;
   std::vector<std::string> features() const override;
+  KernelReport report() const override;
 
  private:
   /// Samples of one pixel that are summed in fp32 before they are folded into fp64.
@@ -50,31 +53,31 @@ class CudaRenderer : public FrameRenderer {
     DeviceBuffer<Float4> texels;
     DeviceBuffer<float> texture_rows;
   };
-  /// A batch of which some rows are traced. It goes on in the next call when `stop` ended this one.
-  struct Pending {
-    std::uint32_t samples = 0;  ///< 0: none
-    std::uint32_t next_row = 0;
-  };
   /// The launches of one call, to measure them and to wait for the oldest when there are enough.
   struct Flight {
     std::size_t launched = 0;
     std::array<std::uint64_t, kAhead + 1> work{};
   };
 
-  CudaRenderer(std::shared_ptr<const CudaVolume> volume, std::uint64_t seed,
-               std::uint64_t first_sample, Method method)
-      : volume_(std::move(volume)), seed_(seed), first_sample_(first_sample), method_(method) {}
+  CudaRenderer(std::shared_ptr<const CudaVolume> volume, std::shared_ptr<VariantStore> variants,
+               std::uint64_t seed, std::uint64_t first_sample, Method method)
+      : volume_(std::move(volume)),
+        variants_(std::move(variants)),
+        seed_(seed),
+        first_sample_(first_sample),
+        method_(method) {}
 
   Result<Tables> grown_tables(const PreparedScene& prepared) const;
   Result<void> upload_tables(const PreparedScene& prepared);
   SceneView<TextureVolume> view() const;
   Result<void> upload_lights(const PreparedScene& prepared);
   LightArrays light_arrays() const;
-  /// Traces rows of the pending batch until it is whole; false when stopped before.
-  Result<bool> trace_pending(const std::function<bool()>& stop, Flight& flight);
+  /// Traces until every pixel has `target` samples; false when stopped before.
+  Result<bool> trace_until(std::uint64_t target, const std::function<bool()>& stop, Flight& flight);
   Result<void> note_launch(Flight& flight, std::uint64_t work);
 
   std::shared_ptr<const CudaVolume> volume_;
+  std::shared_ptr<VariantStore> variants_;
   std::uint64_t seed_;
   std::uint64_t first_sample_;
   Method method_;
@@ -85,7 +88,8 @@ class CudaRenderer : public FrameRenderer {
   PreparedScene prepared_;
   Tables tables_;
   std::optional<CudaFilm> film_;  ///< nothing before the first scene
-  Pending pending_;
+  /// Kept while the picture has samples: two kernels give the same estimate, not the same bits.
+  std::shared_ptr<const Variant> variant_;
   LaunchSize launch_size_;
   double seconds_ = 0;
   std::uint64_t dropped_ = 0;

@@ -3,12 +3,15 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "api/proto/scene.pb.h"
 #include "common/result.h"
+#include "renderd/engine/kernel_report.h"
 #include "renderd/film/canvas.h"
 #include "renderd/kernel/method.h"
 #include "volume/volume.h"
@@ -77,6 +80,8 @@ class FrameRenderer {
   virtual Result<void> contents(std::vector<std::uint8_t>& out) = 0;
   /// Names of the features compiled in for this scene, for reports.
   virtual std::vector<std::string> features() const = 0;
+  /// Of the picture as it is now; after set_scene.
+  virtual KernelReport report() const { return {}; }
 };
 
 /// One device. Thread-safe.
@@ -101,7 +106,30 @@ class Engine {
 
 enum class EngineChoice { kAuto, kCpu, kCuda };
 
+/// How an engine compiles and how much memory it may take; of no meaning to the CPU.
+struct EngineOptions {
+  KernelChoice kernels = KernelChoice::kExact;
+  std::string kernel_cache;  ///< directory for compiled kernels; empty: none is kept on disk
+  /// At most 5% of device memory beside the volume's voxels: leaves out acceleration structures
+  /// that take more.
+  bool lean_memory = false;
+};
+
+/// DIAPHANE_KERNEL_CACHE (empty: none); else diaphane/kernels in XDG_CACHE_HOME or in ~/.cache;
+/// empty where none of these is set.
+std::string default_kernel_cache();
+
+/// "exact", "stand-in", "ahead-of-time", "general".
+std::optional<KernelChoice> kernel_choice(std::string_view name);
+
+/// From DIAPHANE_KERNELS (default: exact), default_kernel_cache() and DIAPHANE_LEAN_MEMORY (1 or 0,
+/// the default). kInvalid names a variable that says something else.
+Result<EngineOptions> engine_options_from_environment();
+
 /// kAuto: CUDA when it was compiled in and a device answers, else the CPU. `threads` 0: all cores.
+Result<std::unique_ptr<Engine>> make_engine(EngineChoice choice, unsigned threads,
+                                            const EngineOptions& options);
+/// With the options that the environment names.
 Result<std::unique_ptr<Engine>> make_engine(EngineChoice choice, unsigned threads);
 
 }  // namespace diaphane::render

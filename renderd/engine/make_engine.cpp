@@ -1,3 +1,5 @@
+#include <cstdlib>
+
 #include "renderd/engine/cpu_engine.h"
 #include "renderd/engine/frame_renderer.h"
 #if defined(DIAPHANE_HAVE_CUDA)
@@ -7,9 +9,9 @@
 namespace diaphane::render {
 namespace {
 
-Result<std::unique_ptr<Engine>> cuda_engine() {
+Result<std::unique_ptr<Engine>> cuda_engine([[maybe_unused]] const EngineOptions& options) {
 #if defined(DIAPHANE_HAVE_CUDA)
-  return make_cuda_engine();
+  return make_cuda_engine(options);
 #else
   return fail(ErrorCode::kUnavailable, "this build has no CUDA engine", "engine");
 #endif
@@ -17,12 +19,59 @@ Result<std::unique_ptr<Engine>> cuda_engine() {
 
 }  // namespace
 
-Result<std::unique_ptr<Engine>> make_engine(EngineChoice choice, unsigned threads) {
+std::string default_kernel_cache() {
+  if (const char* chosen = std::getenv("DIAPHANE_KERNEL_CACHE")) return chosen;
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/') {
+    return std::string(cache) + "/diaphane/kernels";
+  }
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/') {
+    return std::string(home) + "/.cache/diaphane/kernels";
+  }
+  return {};
+}
+
+std::optional<KernelChoice> kernel_choice(std::string_view name) {
+  if (name == "exact") return KernelChoice::kExact;
+  if (name == "stand-in") return KernelChoice::kStandIn;
+  if (name == "ahead-of-time") return KernelChoice::kAheadOfTime;
+  if (name == "general") return KernelChoice::kGeneral;
+  return {};
+}
+
+Result<EngineOptions> engine_options_from_environment() {
+  EngineOptions options;
+  options.kernel_cache = default_kernel_cache();
+  if (const char* name = std::getenv("DIAPHANE_KERNELS")) {
+    const auto choice = kernel_choice(name);
+    if (!choice) {
+      return fail(ErrorCode::kInvalid, "must be exact, stand-in, ahead-of-time or general",
+                  "DIAPHANE_KERNELS");
+    }
+    options.kernels = *choice;
+  }
+  if (const char* lean = std::getenv("DIAPHANE_LEAN_MEMORY")) {
+    const std::string_view said(lean);
+    if (said != "0" && said != "1") {
+      return fail(ErrorCode::kInvalid, "must be 0 or 1", "DIAPHANE_LEAN_MEMORY");
+    }
+    options.lean_memory = said == "1";
+  }
+  return options;
+}
+
+Result<std::unique_ptr<Engine>> make_engine(EngineChoice choice, unsigned threads,
+                                            const EngineOptions& options) {
   if (choice != EngineChoice::kCpu) {
-    auto engine = cuda_engine();
+    auto engine = cuda_engine(options);
     if (engine || choice == EngineChoice::kCuda) return engine;
   }
   return make_cpu_engine(threads);
+}
+
+Result<std::unique_ptr<Engine>> make_engine(EngineChoice choice, unsigned threads) {
+  const auto options = engine_options_from_environment();
+  if (!options) return tl::unexpected(options.error());
+  return make_engine(choice, threads, *options);
 }
 
 }  // namespace diaphane::render

@@ -1,0 +1,137 @@
+#include "renderd/engine/cuda_kernel_cache.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "renderd/engine/cuda_checksum.h"
+
+namespace diaphane::render::cuda {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file: kMagic, checksum of the rest, then key, symbol and code, each after its length. Numbers
+/// are this machine's.
+constexpr std::string_view kMagic = "diaphane kernel 1\n";
+constexpr std::size_t kLargestFile = 64 << 20;
+constexpr const char* kSuffix = ".cubin";
+
+void append(std::string& to, std::uint64_t number) {
+  std::array<char, sizeof number> bytes{};
+  std::memcpy(bytes.data(), &number, sizeof number);
+  to.append(bytes.data(), bytes.size());
+}
+void append(std::string& to, std::string_view text) {
+  append(to, static_cast<std::uint64_t>(text.size()));
+  to.append(text);
+}
+
+/// Takes from the front of `from`; nothing when it is too short.
+std::optional<std::uint64_t> take_number(std::string_view& from) {
+  std::uint64_t number = 0;
+  if (from.size() < sizeof number) return {};
+  std::memcpy(&number, from.data(), sizeof number);
+  from.remove_prefix(sizeof number);
+  return number;
+}
+std::optional<std::string> take_text(std::string_view& from) {
+  const auto size = take_number(from);
+  if (!size || *size > from.size()) return {};
+  std::string text(from.substr(0, *size));
+  from.remove_prefix(*size);
+  return text;
+}
+
+std::string read_file(const std::string& path) {
+  std::error_code failed;
+  const std::uintmax_t size = fs::file_size(path, failed);
+  if (failed || size > kLargestFile) return {};
+  std::string bytes(size, '\0');
+  std::ifstream file(path, std::ios::binary);
+  if (!file.read(bytes.data(), static_cast<std::streamsize>(size))) return {};
+  return bytes;
+}
+
+void forget_the_oldest(const fs::path& directory) {
+  std::error_code ignored;
+  std::vector<std::pair<fs::file_time_type, fs::path>> files;
+  for (const auto& entry : fs::directory_iterator(directory, ignored)) {
+    if (entry.path().extension() == kSuffix) {
+      files.emplace_back(entry.last_write_time(ignored), entry.path());
+    }
+  }
+  if (files.size() <= KernelCache::kMostFiles) return;
+  std::sort(files.begin(), files.end());
+  files.resize(files.size() - KernelCache::kMostFiles);
+  for (const auto& [time, path] : files) fs::remove(path, ignored);
+}
+
+}  // namespace
+
+std::string KernelCache::file_of(const std::string& key) const {
+  std::array<char, 17> name{};
+  std::snprintf(name.data(), name.size(), "%016llx",
+                static_cast<unsigned long long>(checksum(key)));
+  return directory_ + "/" + name.data() + kSuffix;
+}
+
+std::optional<CompiledKernel> KernelCache::find(const std::string& key) const {
+  if (directory_.empty()) return {};
+  const std::string path = file_of(key);
+  const std::string bytes = read_file(path);
+  std::string_view left = bytes;
+  if (!left.starts_with(kMagic)) return {};
+  left.remove_prefix(kMagic.size());
+  const auto sum = take_number(left);
+  if (!sum || *sum != checksum(left)) return {};
+  const auto its_key = take_text(left);
+  auto symbol = take_text(left);
+  auto code = take_text(left);
+  if (!code || *its_key != key) return {};
+  std::error_code ignored;  // a directory that is only read still serves
+  fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
+  return CompiledKernel{std::move(*code), std::move(*symbol)};
+}
+
+void KernelCache::keep(const std::string& key, const CompiledKernel& kernel) const {
+  if (directory_.empty()) return;
+  std::error_code failed;
+  const bool made = fs::create_directories(directory_, failed);
+  if (failed) return;
+  // Code that this user's processes will run: nobody else may put any there.
+  if (made) fs::permissions(directory_, fs::perms::owner_all, failed);
+  std::string payload;
+  append(payload, key);
+  append(payload, kernel.symbol);
+  append(payload, kernel.code);
+  std::string bytes(kMagic);
+  append(bytes, checksum(payload));
+  bytes += payload;
+
+  static std::atomic<unsigned> counter{0};
+  const std::string path = file_of(key);
+  const std::string temporary =
+      path + ".new-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
+  {
+    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+    file.write(bytes.data(), std::ssize(bytes));
+    file.close();
+    if (!file) {
+      fs::remove(temporary, failed);
+      return;
+    }
+  }
+  fs::rename(temporary, path, failed);
+  if (failed) fs::remove(temporary, failed);
+  forget_the_oldest(directory_);
+}
+
+}  // namespace diaphane::render::cuda

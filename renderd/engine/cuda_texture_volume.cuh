@@ -1,0 +1,43 @@
+#pragma once
+
+#include "renderd/engine/cuda_trace_types.h"
+
+// How kernels read the texture of voxels.
+
+namespace diaphane::render::cuda {
+
+__device__ __forceinline__ float TextureVolume::at(Float3 p) const {
+  // As LinearVolume::at; the texture clamps the upper neighbour.
+  const float fx = smaller(larger(p.x - 0.5f, 0.0f), static_cast<float>(size.x - 1));
+  const float fy = smaller(larger(p.y - 0.5f, 0.0f), static_cast<float>(size.y - 1));
+  const float fz = smaller(larger(p.z - 0.5f, 0.0f), static_cast<float>(size.z - 1));
+  const float x = floorf(fx), y = floorf(fy), z = floorf(fz);
+  const float wx = fx - x, wy = fy - y, wz = fz - z;
+  const auto fetch = [this](float i, float j, float k) {
+    return static_cast<float>(tex3D<short>(texture, i, j, k));
+  };
+  const float v000 = fetch(x, y, z), v100 = fetch(x + 1, y, z);
+  const float v010 = fetch(x, y + 1, z), v110 = fetch(x + 1, y + 1, z);
+  const float v001 = fetch(x, y, z + 1), v101 = fetch(x + 1, y, z + 1);
+  const float v011 = fetch(x, y + 1, z + 1), v111 = fetch(x + 1, y + 1, z + 1);
+  const float v00 = v000 + wx * (v100 - v000), v10 = v010 + wx * (v110 - v010);
+  const float v01 = v001 + wx * (v101 - v001), v11 = v011 + wx * (v111 - v011);
+  const float v0 = v00 + wy * (v10 - v00), v1 = v01 + wy * (v11 - v01);
+  return v0 + wz * (v1 - v0);
+}
+
+__device__ __forceinline__ ValueSpan TextureVolume::corner_range(Int3 cell) const {
+  ValueSpan range{32767.0f, -32768.0f};
+  for (int corner = 0; corner < 8; ++corner) {
+    // The texture clamps the index -1 below the first voxel too.
+    const float v =
+        static_cast<float>(tex3D<short>(texture, static_cast<float>(cell.x - (corner & 1)),
+                                        static_cast<float>(cell.y - (corner >> 1 & 1)),
+                                        static_cast<float>(cell.z - (corner >> 2))));
+    range.low = smaller(range.low, v);
+    range.high = larger(range.high, v);
+  }
+  return range;
+}
+
+}  // namespace diaphane::render::cuda

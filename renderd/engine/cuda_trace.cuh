@@ -1,0 +1,72 @@
+#pragma once
+
+#include "renderd/engine/cuda_texture_volume.cuh"
+#include "renderd/engine/cuda_trace_types.h"
+#include "renderd/kernel/estimator.h"
+
+// The trace kernel, for nvcc (ahead of time) and for NVRTC (for a scene's own features).
+
+namespace diaphane::render::cuda {
+
+/// Blocks that fit on a multiprocessor: caps the registers at 64, which is worth 5% on an H200.
+inline constexpr std::uint32_t kTraceBlocks = 8;
+
+/// Every second bit of `morton`, from the lowest on: neighbours in Morton order are neighbours in
+/// the picture, so the rays of a warp stay together.
+__device__ __forceinline__ std::uint32_t compact_bits(std::uint32_t morton) {
+  morton &= 0x55u;
+  morton = (morton | morton >> 1) & 0x33u;
+  return (morton | morton >> 2) & 0x0fu;
+}
+
+/// Sums over the threads that share a pixel, in an order that does not depend on timing.
+__device__ __forceinline__ void join_lanes(PixelBatch& batch, std::uint32_t lanes) {
+  for (std::uint32_t offset = 1; offset < lanes; offset <<= 1) {
+    const auto other = [offset](auto value) { return __shfl_xor_sync(~0u, value, offset); };
+    batch.even += Float3{other(batch.even.x), other(batch.even.y), other(batch.even.z)};
+    batch.odd += Float3{other(batch.odd.x), other(batch.odd.y), other(batch.odd.z)};
+    batch.dropped_even += other(batch.dropped_even);
+    batch.dropped_odd += other(batch.dropped_odd);
+    batch.met_matter |= other(static_cast<std::uint32_t>(batch.met_matter)) != 0;
+  }
+}
+
+/// Adds a pixel's batch to the film; one thread a pixel.
+__device__ __forceinline__ void add_batch(const TraceTarget& target, std::uint64_t pixel,
+                                          const PixelBatch& batch) {
+  fold(target.film, pixel, batch);
+  if (const std::uint32_t count = batch.dropped_even + batch.dropped_odd; count != 0) {
+    // The same 64 bits, but another type to the compiler.
+    atomicAdd(reinterpret_cast<unsigned long long*>(target.dropped),
+              static_cast<unsigned long long>(count));
+  }
+}
+
+/// `Bits` are those of Features: nvcc cannot name a kernel by an argument of class type. A pixel's
+/// samples of a launch are summed in fp32 by its own threads and folded into the film at the end:
+/// no buffer lies between.
+template <std::uint32_t Bits>
+__global__ void __launch_bounds__(kTraceBlock, kTraceBlocks)
+    trace_kernel(const __grid_constant__ SceneView<TextureVolume> scene,
+                 const __grid_constant__ Stripe stripe,
+                 const __grid_constant__ TraceTarget target) {
+  const std::uint32_t lanes = 1u << stripe.lane_shift;
+  const std::uint32_t lane = threadIdx.x & (lanes - 1);
+  const std::uint32_t morton = threadIdx.x >> stripe.lane_shift;
+  const BlockTile tile = block_tile(stripe.lane_shift);
+  const std::uint32_t x = blockIdx.x * tile.width + compact_bits(morton);
+  const std::uint32_t y = stripe.first_row + blockIdx.y * tile.height + compact_bits(morton >> 1);
+  const bool inside = x < scene.width && y < scene.height;
+
+  PixelBatch batch;
+  if (inside) {
+    for (std::uint32_t s = lane; s < stripe.samples; s += lanes) {
+      const Sample sample = estimate<Features{Bits}>(scene, x, y, stripe.film_sample + s);
+      batch.add(sample.radiance, sample.met_matter, stripe.film_sample + s);
+    }
+  }
+  join_lanes(batch, lanes);  // by whole warps: threads outside the picture take part
+  if (inside && lane == 0) add_batch(target, x + std::uint64_t{scene.width} * y, batch);
+}
+
+}  // namespace diaphane::render::cuda

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cuda_runtime_api.h>
+
+#include <cstdint>
+
+#include "renderd/film/film.h"
+#include "renderd/kernel/views.h"
+
+// What host and trace kernels hand each other; compiled by the C++ compiler, nvcc and NVRTC.
+
+namespace diaphane::render::cuda {
+
+/// Voxels in a 3D texture, fetched unfiltered and interpolated in fp32: the texture unit's own
+/// filter has weights of 8 bits. The same numbers as LinearVolume's, in a layout where neighbours
+/// along all axes are near.
+struct TextureVolume {
+  cudaTextureObject_t texture;  ///< int16, point sampling, element coordinates, clamped
+  Int3 size;
+
+#if defined(__CUDACC__)
+  __device__ float at(Float3 index) const;
+  __device__ ValueSpan corner_range(Int3 cell) const;
+#endif
+};
+
+/// A part of one batch of samples: a stripe of rows.
+struct Stripe {
+  std::uint32_t first_row;    ///< a multiple of kStripeRows
+  std::uint32_t rows;         ///< to be traced; the last ones may lie below the picture
+  std::uint64_t film_sample;  ///< since the film was cleared: its parity chooses the half
+  std::uint32_t samples;      ///< per pixel
+  std::uint32_t lane_shift;   ///< 2^lane_shift threads share a pixel's samples
+};
+inline constexpr std::uint32_t kStripeRows = 8;
+inline constexpr std::uint32_t kMostLaneShift = 5;  ///< a warp
+inline constexpr std::uint32_t kTraceBlock = 128;   ///< threads
+
+/// Where a trace kernel adds what it finds.
+struct TraceTarget {
+  FilmView film;
+  std::uint64_t* dropped;  ///< samples that were not finite
+};
+
+/// The part of a block in the picture: 2^(7 - lane_shift) pixels.
+struct BlockTile {
+  std::uint32_t width, height;
+};
+HOST_DEVICE BlockTile block_tile(std::uint32_t lane_shift) {
+  const std::uint32_t bits = 7 - lane_shift;
+  return {1u << (bits + 1) / 2, 1u << bits / 2};
+}
+
+}  // namespace diaphane::render::cuda
