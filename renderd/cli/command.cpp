@@ -133,7 +133,7 @@ Result<Rendered> render(const Options& options) {
   if (!picture) return tl::make_unexpected(picture.error());
   return Rendered{std::move(*picture),
                   {(*engine)->info(), (*renderer)->progress(), ending->dropped, ending->reason,
-                   (*renderer)->features()}};
+                   (*renderer)->features(), (*renderer)->report()}};
 }
 
 int complain(const Error& error, int exit_code) {

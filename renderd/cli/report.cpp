@@ -20,6 +20,26 @@ std::vector<std::string> left_out(const std::vector<std::string>& features) {
   return names;
 }
 
+nlohmann::ordered_json kernel_json(const KernelReport& kernel) {
+  nlohmann::ordered_json json{
+      {"variant", name_of(kernel.origin)},
+      {"compiled_in", kernel.compiled_in},
+      {"left_out", kernel.left_out},
+      {"compile_milliseconds", kernel.compile_milliseconds},
+      {"from_cache", kernel.from_cache},
+      {"registers", nullptr},
+      {"local_bytes", nullptr},
+      {"empty_cells", kernel.empty_cells},
+      {"volume_bytes", kernel.volume_bytes},
+      {"acceleration_bytes", kernel.acceleration_bytes},
+      {"film_bytes", kernel.film_bytes},
+  };
+  if (kernel.registers) json["registers"] = *kernel.registers;
+  if (kernel.local_bytes) json["local_bytes"] = *kernel.local_bytes;
+  if (!kernel.note.empty()) json["note"] = kernel.note;
+  return json;
+}
+
 }  // namespace
 
 std::string report_json(const Options& options, const Outcome& outcome) {
@@ -36,6 +56,7 @@ std::string report_json(const Options& options, const Outcome& outcome) {
       {"device", outcome.engine.device},
       {"features", outcome.features},
       {"left_out", left_out(outcome.features)},
+      {"kernel", kernel_json(outcome.kernel)},
       {"width", options.canvas.width},
       {"height", options.canvas.height},
       {"seed", options.seed},

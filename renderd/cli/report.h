@@ -15,6 +15,7 @@ struct Outcome {
   std::uint64_t dropped_samples = 0;
   StopReason stopped_by = StopReason::kSamples;
   std::vector<std::string> features;
+  KernelReport kernel;
 };
 
 /// The JSON of `--json`; its keys are listed by `--help`. Holds nothing of the input but what the

@@ -14,7 +14,8 @@ TEST(Report, NamesEveryFeatureOnceAsCompiledInOrLeftOut) {
   const Outcome outcome{.engine = {"cpu", "2 threads", 0},
                         .progress = {8, 0.5, std::numeric_limits<double>::infinity()},
                         .stopped_by = StopReason::kSeconds,
-                        .features = {"clip", "area light"}};
+                        .features = {"clip", "area light"},
+                        .kernel = {}};
   const auto json = nlohmann::json::parse(report_json(Options{}, outcome));
   EXPECT_EQ(json["features"].size(), 2u);
   EXPECT_EQ(json["features"].size() + json["left_out"].size(), kFeatureCount);
@@ -24,6 +25,24 @@ TEST(Report, NamesEveryFeatureOnceAsCompiledInOrLeftOut) {
   }
   EXPECT_EQ(json["stopped_by"], "seconds");
   EXPECT_TRUE(json["estimated_error"].is_null()) << "unknown below two samples";
+}
+
+TEST(Report, SaysWhatTheKernelIs) {
+  Outcome outcome;
+  list_features(Features{}.with(Feature::kClip), outcome.kernel);
+  auto kernel = nlohmann::json::parse(report_json(Options{}, outcome))["kernel"];
+  EXPECT_EQ(kernel["compiled_in"], nlohmann::json{"clip"});
+  EXPECT_EQ(kernel["left_out"].size(), kFeatureCount - 1);
+  EXPECT_EQ(kernel["variant"], "ahead of time");
+  EXPECT_TRUE(kernel["registers"].is_null()) << "a processor has no such number";
+  EXPECT_FALSE(kernel.contains("note"));
+  outcome.kernel.origin = KernelOrigin::kForThisScene;
+  outcome.kernel.registers = 64;
+  outcome.kernel.note = "no compiler";
+  kernel = nlohmann::json::parse(report_json(Options{}, outcome))["kernel"];
+  EXPECT_EQ(kernel["variant"], "compiled for this scene");
+  EXPECT_EQ(kernel["registers"], 64);
+  EXPECT_EQ(kernel["note"], "no compiler");
 }
 
 }  // namespace

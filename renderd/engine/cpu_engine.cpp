@@ -11,6 +11,7 @@
 #include "renderd/engine/cpu_film.h"
 #include "renderd/engine/cpu_kernel.h"
 #include "renderd/engine/thread_pool.h"
+#include "renderd/kernel/variants.h"
 #include "renderd/scene/prepared_scene.h"
 
 namespace diaphane::render {
@@ -119,6 +120,23 @@ class CpuFrameRenderer final : public FrameRenderer {
       }
     }
     return names;
+  }
+
+  KernelReport report() const override {
+    KernelReport report;
+    if (!picture_) return report;
+    const PreparedScene& s = picture_->prepared;
+    const Features compiled = kVariants[variant_for(s.features)];
+    list_features(compiled, report);
+    report.origin = compiled == kAllFeatures ? KernelOrigin::kGeneral : KernelOrigin::kAheadOfTime;
+    const std::vector<CellBounds>& bounds = s.transfer->bounds;
+    const auto empty =
+        std::count_if(bounds.begin(), bounds.end(), [](CellBounds b) { return !(b.majorant > 0); });
+    report.empty_cells = static_cast<double>(empty) / static_cast<double>(bounds.size());
+    report.volume_bytes = volume_->device_bytes();
+    report.acceleration_bytes = bounds.size() * sizeof(CellBounds);
+    report.film_bytes = picture_->film.bytes();
+    return report;
   }
 
  private:

@@ -24,6 +24,10 @@ class CpuFilm {
 
   std::uint64_t count() const { return count_; }
   Canvas size() const { return size_; }
+  std::uint64_t bytes() const {
+    return samples_.size() * sizeof(Sample) + sum_.size() * sizeof(double) +
+           difference_.size() * sizeof(float) + state_.size() * sizeof(std::uint32_t);
+  }
   /// Estimated error of the whole picture (film/error.h); kept until the next fold.
   double error() const;
   void display(float scale, PictureRgb8& out) const;
