@@ -152,6 +152,40 @@ TEST(FullScene, HasTheMeanOfAnIndependentEstimatorBackwards) {
   EXPECT_EQ(rejections(rendered(full_scene(-0.4)), reference_of(-0.4)), std::vector<std::string>{});
 }
 
+/// Paths of several collisions, matter that glows, Lambert surfaces chosen by the gradient.
+diaphane::v1::Scene deep_scene() {
+  diaphane::v1::Scene scene = full_scene(0.3);
+  auto& function = *scene.mutable_transfer_function();
+  test::set(function.mutable_channels(0)->mutable_emission(), 0.25, 0.125, 0);
+  test::set(function.mutable_channels(1)->mutable_emission(), 0, 0.0625, 0.25);
+  scene.mutable_shading()->set_mode(diaphane::v1::Shading::HYBRID);
+  scene.mutable_shading()->set_gradient_scale(0.15);
+  scene.set_bounces(5);
+  return scene;
+}
+
+const Tiles& deep_reference() {
+  static const Tiles known = reference(deep_scene());
+  return known;
+}
+
+TEST(FullScene, DeepPathsHaveTheMeanOfAnIndependentEstimator) {
+  EXPECT_EQ(rejections(rendered(deep_scene()), deep_reference()), std::vector<std::string>{});
+}
+
+TEST(FullScene, SurfacesHaveTheMeanOfAnIndependentEstimator) {
+  diaphane::v1::Scene scene = deep_scene();
+  scene.mutable_shading()->set_mode(diaphane::v1::Shading::SURFACE);
+  scene.set_bounces(2);
+  EXPECT_EQ(rejections(rendered(scene), reference(scene)), std::vector<std::string>{});
+}
+
+TEST(FullScene, MissingCollisionsAreSeen) {
+  diaphane::v1::Scene scene = deep_scene();
+  scene.set_bounces(2);
+  EXPECT_NE(rejections(rendered(scene), deep_reference()), std::vector<std::string>{});
+}
+
 TEST(FullScene, ABiasOfThreePercentIsSeen) {
   // Matter reflects 3% more than in the reference.
   diaphane::v1::Scene scene = full_scene(0.5);

@@ -12,10 +12,10 @@
 #include "renderd/film/canvas.h"
 #include "volume/volume.h"
 
-// For tests: single scattering as the scene's definition has it, for every scene that can be set,
-// in double precision and world space, by the plainest means there are: one majorant for the whole
-// volume, no grid, no tables, shadows by delta tracking, a rectangle picked with equal chances, the
-// sky over the whole sphere. It shares no code with the renderer.
+// For tests: scattering as the scene's definition has it, in double precision and world space, by
+// the plainest means there are: one majorant for the whole volume, no grid, no tables, shadows by
+// delta tracking, a rectangle picked with equal chances, the sky and the next direction over the
+// whole sphere, no roulette. It shares no code with the renderer.
 
 namespace diaphane::render::test {
 
@@ -75,15 +75,25 @@ class ReferenceEstimator {
     const double a = (2 * (x + uniform()) / canvas_.width - 1) * tangent * canvas_.width /
                      static_cast<double>(canvas_.height);
     const double b = (1 - 2 * (y + uniform()) / canvas_.height) * tangent;
-    const Triple ray = unit(right_ * a + up_ * b - back_);
+    Triple ray = unit(right_ * a + up_ * b - back_);
     Triple place = triple(scene_.camera().eye());
     double value = 0;
     if (!collides(place, ray, 1e30, value)) {
       return scene_.display().show_environment() ? sky_ : triple(scene_.display().background());
     }
-    const Triple light = from_rectangles(place, ray) + from_sky(place, ray);
-    const Triple albedo = albedo_of(value);
-    return {albedo[0] * light[0], albedo[1] * light[1], albedo[2] * light[2]};
+    Triple radiance{}, weight{1, 1, 1};
+    const auto times = [](Triple p, Triple q) {
+      return Triple{p[0] * q[0], p[1] * q[1], p[2] * q[2]};
+    };
+    for (std::uint32_t collisions = 1;; ++collisions) {
+      const Matter matter = matter_at(place, value, ray);
+      const Triple light = from_rectangles(place, matter) + from_sky(place, matter);
+      radiance = radiance + times(weight, matter.emission + times(matter.albedo, light));
+      if (collisions >= scene_.bounces()) return radiance;
+      ray = anywhere();
+      weight = times(weight, matter.albedo) * (4 * std::numbers::pi * scattered(matter, ray));
+      if (!collides(place, ray, 1e30, value)) return radiance;
+    }
   }
 
  private:
@@ -94,13 +104,58 @@ class ReferenceEstimator {
   double uniform() { return std::uniform_real_distribution<double>(0, 1)(generator_); }
   Triple from_camera(Triple v) const { return right_ * v[0] + up_ * v[1] + back_ * v[2]; }
 
+  struct Matter {
+    Triple incoming, albedo, emission;
+    bool surface;
+    Triple normal;
+  };
+
+  Triple anywhere() {
+    const double z = 2 * uniform() - 1, angle = 2 * std::numbers::pi * uniform();
+    const double r = std::sqrt(1 - z * z);
+    return {r * std::cos(angle), r * std::sin(angle), z};
+  }
+
+  /// Phase function, or Lambert's BRDF times the cosine.
+  double scattered(const Matter& matter, Triple towards) const {
+    if (!matter.surface) return phase(inner(matter.incoming, towards));
+    return std::max(inner(matter.normal, towards), 0.0) / std::numbers::pi;
+  }
+
+  Matter matter_at(Triple place, double value, Triple ray) {
+    Matter matter{ray,
+                  mean_of(value, [](const auto& c) { return triple(c.diffuse()); }),
+                  mean_of(value, [](const auto& c) { return triple(c.emission()); }),
+                  false,
+                  {}};
+    const auto mode = scene_.shading().mode();
+    if (mode == diaphane::v1::Shading::PHASE) return matter;
+    const auto& spacing = volume_.header.spacing;
+    Triple gradient{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Triple step = axes_[axis] * spacing[axis];
+      gradient = gradient + axes_[axis] * ((value_at(place + step) - value_at(place - step)) /
+                                           (2 * spacing[axis]));
+    }
+    const double steepness = std::sqrt(inner(gradient, gradient));
+    const double least = std::min({spacing[0], spacing[1], spacing[2]});
+    const double slope =
+        std::abs(opacity_of(value + least * steepness) - opacity_of(value - least * steepness)) /
+        (2 * least);
+    if (!(slope > 0)) return matter;
+    matter.surface = mode == diaphane::v1::Shading::SURFACE ||
+                     uniform() < 1 - std::exp(-slope / scene_.shading().gradient_scale());
+    matter.normal = gradient * ((inner(gradient, ray) > 0 ? -1 : 1) / steepness);
+    return matter;
+  }
+
   double phase(double cosine) const {
     const double g = scene_.phase().g();
     const double d = 1 + g * g - 2 * g * cosine;
     return (1 - g * g) / (4 * std::numbers::pi * d * std::sqrt(d));
   }
 
-  Triple from_rectangles(Triple place, Triple ray) {
+  Triple from_rectangles(Triple place, const Matter& matter) {
     if (rectangles_.empty()) return {};
     const auto count = static_cast<double>(rectangles_.size());
     const Rectangle& r = rectangles_[static_cast<std::size_t>(uniform() * count)];
@@ -111,16 +166,14 @@ class ReferenceEstimator {
     const double facing = -inner(area, towards);
     double value = 0;
     if (facing <= 0 || collides(place, towards, distance, value)) return {};
-    return r.radiance * (count * phase(inner(ray, towards)) * facing / (distance * distance));
+    return r.radiance * (count * scattered(matter, towards) * facing / (distance * distance));
   }
 
-  Triple from_sky(Triple place, Triple ray) {
-    const double z = 2 * uniform() - 1, angle = 2 * std::numbers::pi * uniform();
-    const double r = std::sqrt(1 - z * z);
-    const Triple towards{r * std::cos(angle), r * std::sin(angle), z};
+  Triple from_sky(Triple place, const Matter& matter) {
+    const Triple towards = anywhere();
     double value = 0;
     if (collides(place, towards, 1e30, value)) return {};
-    return sky_ * (4 * std::numbers::pi * phase(inner(ray, towards)));
+    return sky_ * (4 * std::numbers::pi * scattered(matter, towards));
   }
 
   /// Moves `place` to the first collision within `most` mm, where the voxels' value is `value`.
@@ -183,12 +236,14 @@ class ReferenceEstimator {
     }
     return most;
   }
-  Triple albedo_of(double value) const {
+  /// Of a colour of the channels, weighted by their opacities.
+  template <typename Colour>
+  Triple mean_of(double value, const Colour& colour) const {
     Triple sum{};
     double weight = 0;
     for (const auto& channel : scene_.transfer_function().channels()) {
       const double opacity = opacity_of(channel, value);
-      sum = sum + triple(channel.diffuse()) * opacity;
+      sum = sum + colour(channel) * opacity;
       weight += opacity;
     }
     return weight > 0 ? sum * (1 / weight) : sum;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -119,10 +120,10 @@ bool escapes(const SceneView<LinearVolume>& view, const Ray& ray, Span span, Ran
 
 std::vector<Case> cases() {
   std::vector<Case> all;
-  for (double depth : {1e-4, 0.01, 0.5, 3.0, 8.0}) {
+  for (double depth : {1e-6, 1e-4, 0.01, 0.5, 3.0, 8.0}) {
     all.push_back(homogeneous(depth));
   }
-  for (double scale : {1e-3, 0.05, 0.3}) {
+  for (double scale : {1e-6, 1e-3, 0.05, 0.3}) {
     all.push_back(ramp(scale));
     all.push_back(steps(scale));
     all.push_back(peak(10 * scale));
@@ -208,6 +209,48 @@ TEST(DeltaTracking, EndsInADenseMediumWhereItShould) {
                               Medium<LinearVolume>{view.volume, view.transfer}, random),
                 1e-30f);
     }
+  }
+}
+
+/// Up to the collision a ray has passed an optical depth that is exponential of mean 1, whatever
+/// the medium; also where nothing comes through, of which the tests above see only that.
+TEST(DeltaTracking, CollidesAtAnExponentialOpticalDepth) {
+  constexpr int kBins = 101;
+  constexpr std::uint64_t kRays = 300'000;
+  struct Deep {
+    Case medium;
+    double (*depth_at)(double scale, double distance);  ///< from the way's start
+    double scale;
+  };
+  const auto linear = [](double scale, double t) { return scale * t; };
+  // Along -x from the end at 40 mm: half a voxel of the largest value, then falling.
+  const auto falling = [](double scale, double t) {
+    const double w = std::clamp(t - 0.5, 0.0, 39.0);
+    const double ramp = 3900 * w - 50 * w * w;
+    return scale / 4000 * (3900 * std::min(t, 0.5) + ramp);
+  };
+  std::vector<Deep> all;
+  for (double depth : {0.5, 20.0, 1e4}) all.push_back({homogeneous(depth), linear, depth / 40});
+  for (double scale : {0.05, 1.0, 500.0}) all.push_back({ramp(scale), falling, scale});
+  const double alpha = test::sidak(kAlpha, all.size());
+  for (const Deep& d : all) {
+    const SceneView<LinearVolume> view = d.medium.prepared.view();
+    const Span span = inside(d.medium);
+    std::vector<std::uint64_t> counts(kBins);
+    std::vector<double> probabilities(kBins);
+    const double all_of_it = -std::expm1(-d.medium.optical_depth);
+    for (double& p : probabilities) p = all_of_it / kBins;
+    for (std::uint32_t i = 0; i < kRays; ++i) {
+      Random random(9, i, 0);
+      const Collision hit = track(d.medium.ray, span, view.grid,
+                                  Medium<LinearVolume>{view.volume, view.transfer}, random);
+      if (!hit.found) continue;
+      const double depth = d.depth_at(d.scale, hit.distance - double{span.begin});
+      const double share = -std::expm1(-depth) / all_of_it;
+      ++counts[static_cast<std::size_t>(std::clamp(share, 0.0, 0.9999999) * kBins)];
+    }
+    EXPECT_TRUE(test::chi_square(counts, probabilities, kRays).fits(alpha))
+        << d.medium.name << " " << d.scale;
   }
 }
 
