@@ -69,7 +69,9 @@ class CpuFrameRenderer final : public FrameRenderer {
                                   picture_ ? &picture_->scene : nullptr);
     if (!prepared) return tl::unexpected(prepared.error());
     try {
-      picture_ = std::make_unique<Picture>(scene, *std::move(prepared), CpuFilm(*pool_, canvas));
+      const Float3 s = prepared->spacing;
+      CpuFilm film(*pool_, canvas, guided_, std::max({s.x, s.y, s.z}));
+      picture_ = std::make_unique<Picture>(scene, *std::move(prepared), std::move(film));
     } catch (const std::bad_alloc&) {
       return fail(ErrorCode::kOutOfMemory, "no memory for a picture of this size", "canvas");
     }
@@ -112,6 +114,18 @@ class CpuFrameRenderer final : public FrameRenderer {
     return {};
   }
 
+  void prepare_denoising(bool wanted) override { guided_ = wanted; }
+
+  Result<bool> display_denoised(PictureRgb8& out) override {
+    if (!picture_) return no_scene();
+    return picture_->film.display_denoised(picture_->prepared.exposure_scale, out);
+  }
+
+  Result<bool> radiance_denoised(PictureRgbF& out) override {
+    if (!picture_) return no_scene();
+    return picture_->film.radiance_denoised(out);
+  }
+
   std::vector<std::string> features() const override {
     std::vector<std::string> names;
     for (std::uint32_t i = 0; picture_ && i < kFeatureCount; ++i) {
@@ -152,7 +166,8 @@ class CpuFrameRenderer final : public FrameRenderer {
                             t.bounds.data(), LightArrays(s), seed_, first_sample_, method_);
     if (s.features.has(Feature::kGloss)) view.transfer.gloss = t.gloss.data();
     if (s.features.has(Feature::kEmission)) view.transfer.emission = t.emission.data();
-    const CpuKernel kernel = cpu_kernel(s.features);
+    Guides* guides = picture_->film.guides();
+    const CpuKernel kernel = cpu_kernel(s.features.with(Feature::kGuides, guides != nullptr));
     const Canvas size = s.canvas;
     const std::uint32_t tiles_x = (size.width + kWorkTile - 1) / kWorkTile;
     const std::uint32_t tiles_y = (size.height + kWorkTile - 1) / kWorkTile;
@@ -163,7 +178,7 @@ class CpuFrameRenderer final : public FrameRenderer {
         [&](std::uint32_t tile) {
           const std::uint32_t x = tile % tiles_x * kWorkTile, y = tile / tiles_x * kWorkTile;
           kernel(view, CpuTile{x, y, std::min(x + kWorkTile, size.width),
-                               std::min(y + kWorkTile, size.height), sample, samples});
+                               std::min(y + kWorkTile, size.height), sample, samples, guides});
         },
         stop);
   }
@@ -173,6 +188,7 @@ class CpuFrameRenderer final : public FrameRenderer {
   std::uint64_t seed_;
   std::uint64_t first_sample_;
   Method method_;
+  bool guided_ = false;
   std::unique_ptr<Picture> picture_;
 };
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <mutex>
 
+#include "renderd/engine/cpu_denoise.h"
+#include "renderd/film/denoise.h"
 #include "renderd/film/tone.h"
 
 namespace diaphane::render {
@@ -14,13 +16,16 @@ std::size_t pixels_of(Canvas size) { return std::size_t{size.width} * size.heigh
 
 }  // namespace
 
-CpuFilm::CpuFilm(ThreadPool& pool, Canvas size)
+CpuFilm::CpuFilm(ThreadPool& pool, Canvas size, bool guided, float voxel)
     : pool_(pool),
       size_(size),
       samples_(pixels_of(size)),
       sum_(3 * pixels_of(size)),
       difference_(3 * pixels_of(size)),
-      state_(pixels_of(size)) {}
+      state_(pixels_of(size)),
+      guide_samples_(guided ? pixels_of(size) : 0),
+      guides_(guided ? pixels_of(size) : 0),
+      voxel_(voxel) {}
 
 std::uint64_t CpuFilm::fold() {
   const FilmView film{sum_.data(), difference_.data(), state_.data()};
@@ -30,14 +35,65 @@ std::uint64_t CpuFilm::fold() {
     const std::uint64_t first = std::uint64_t{size_.width} * y;
     for (std::uint64_t pixel = first; pixel < first + size_.width; ++pixel) {
       PixelBatch batch;
-      batch.add(samples_[pixel].radiance, samples_[pixel].met_matter, count_);
+      const Sample& sample = samples_[pixel];
+      batch.add(sample.radiance, sample.met_matter, count_, sample.shows_slice);
       dropped_here += batch.dropped_even + batch.dropped_odd;
       render::fold(film, pixel, batch);
     }
     if (dropped_here != 0) dropped += dropped_here;
   });
+  if (!guide_samples_.empty()) fold_guides();
   ++count_;
   return dropped;
+}
+
+void CpuFilm::fold_guides() {
+  pool_.run(size_.height, [&](std::uint32_t y) {
+    const std::uint64_t first = std::uint64_t{size_.width} * y;
+    for (std::uint64_t pixel = first; pixel < first + size_.width; ++pixel) {
+      guides_[pixel] = with_samples(guides_[pixel], static_cast<std::uint32_t>(count_),
+                                    guide_samples_[pixel], 1);
+    }
+  });
+  if (count_ + 1 >= kGuidedSamples) guide_samples_ = {};
+}
+
+std::vector<float> CpuFilm::denoised() {
+  if (guides_.empty() || count_ == 0) return {};
+  if (!worth_denoising(error())) {
+    guides_ = {};
+    guide_samples_ = {};
+    return {};
+  }
+  return denoise(pool_, {view(), guides_.data(), size_, count_, white(), voxel_});
+}
+
+bool CpuFilm::display_denoised(float scale, PictureRgb8& out) {
+  const std::vector<float> picture = denoised();
+  if (picture.empty()) {
+    display(scale, out);
+    return false;
+  }
+  out.size = size_;
+  out.pixels.resize(picture.size());
+  pool_.run(size_.height, [&](std::uint32_t y) {
+    const std::size_t first = std::size_t{3} * size_.width * y;
+    for (std::size_t i = first; i < first + std::size_t{3} * size_.width; ++i) {
+      out.pixels[i] = to_display(picture[i], scale);
+    }
+  });
+  return true;
+}
+
+bool CpuFilm::radiance_denoised(PictureRgbF& out) {
+  std::vector<float> picture = denoised();
+  if (picture.empty()) {
+    radiance(out);
+    return false;
+  }
+  out.size = size_;
+  out.pixels = std::move(picture);
+  return true;
 }
 
 float CpuFilm::white() const {

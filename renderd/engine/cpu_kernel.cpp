@@ -1,5 +1,7 @@
 #include "renderd/engine/cpu_kernel.h"
 
+#include "renderd/engine/cpu_denoise_pass.h"
+
 namespace diaphane::render {
 namespace {
 
@@ -20,6 +22,13 @@ CpuKernel cpu_kernel(Features features) {
   if (avx2) return cpu_kernel_avx2(features);
 #endif
   return cpu_kernel_baseline(features);
+}
+
+DenoiseRow denoise_row() {
+#if defined(__x86_64__)
+  if (has_avx2()) return denoise_row_avx2;
+#endif
+  return denoise_row_baseline;
 }
 
 const char* cpu_instructions() { return has_avx2() ? "AVX2" : "baseline"; }

@@ -11,6 +11,7 @@ struct CpuTile {
   std::uint32_t x0, y0, x1, y1;  ///< pixels [x0, x1) x [y0, y1)
   std::uint64_t sample;          ///< number in the random stream
   Sample* samples;               ///< of the whole picture, rows from the top
+  Guides* guides;                ///< likewise, of a kernel with Feature::kGuides; else unused
 };
 
 using CpuVolumeView = LinearVolume;

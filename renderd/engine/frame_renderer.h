@@ -78,6 +78,18 @@ class FrameRenderer {
   /// Which pixels' camera rays met contents of the volume so far, 1 or 0 a pixel, rows from the
   /// top: those that the error counts.
   virtual Result<void> contents(std::vector<std::uint8_t>& out) = 0;
+  /// From the next scene on: the first samples also record what the two functions below need. Costs
+  /// some of their speed and 16 bytes a pixel; without it they show the raw picture.
+  virtual void prepare_denoising(bool) {}
+  /// As display() and radiance(), smoothed as far as that makes the error less (film/denoise.h):
+  /// the first pictures are, converged ones are not. False: it is the raw picture. Neither changes
+  /// what is accumulated, nor the error that progress() tells, which is the raw picture's.
+  virtual Result<bool> display_denoised(PictureRgb8& out) {
+    return display(out).map([] { return false; });
+  }
+  virtual Result<bool> radiance_denoised(PictureRgbF& out) {
+    return radiance(out).map([] { return false; });
+  }
   /// Names of the features compiled in for this scene, for reports.
   virtual std::vector<std::string> features() const = 0;
   /// Of the picture as it is now; after set_scene.

@@ -17,10 +17,13 @@ struct PixelBatch {
   std::uint32_t dropped_even = 0;  ///< not finite, left out of the sums
   std::uint32_t dropped_odd = 0;
   bool met_matter = false;
+  bool met_slice = false;
 
   /// `sample` is the number of the sample since the film was cleared, not of the random stream.
-  HOST_DEVICE void add(Float3 radiance, bool met, std::uint64_t sample) {
+  /// `slice`: it shows a cross-section.
+  HOST_DEVICE void add(Float3 radiance, bool met, std::uint64_t sample, bool slice = false) {
     met_matter |= met;
+    met_slice |= slice;
     const bool is_odd = (sample & 1) != 0;
     if (!is_finite(radiance)) {
       (is_odd ? dropped_odd : dropped_even) += 1;
@@ -33,10 +36,10 @@ struct PixelBatch {
 /// Three arrays over the pixels, rows from the top. 40 bytes a pixel: the sum needs fp64, the
 /// difference of the halves does not (it is noise).
 struct FilmView {
-  double* sum;        ///< 3 a pixel: even + odd
-  float* difference;  ///< 3 a pixel: even - odd
-  std::uint32_t*
-      state;  ///< bit 31: met matter; bits 0-14, 15-29: dropped samples, even and odd, saturating
+  double* sum;           ///< 3 a pixel: even + odd
+  float* difference;     ///< 3 a pixel: even - odd
+  std::uint32_t* state;  ///< bit 31: met matter; bit 30: shows a slice; bits 0-14, 15-29: dropped
+                         ///< samples, even and odd, saturating
 };
 struct ConstFilmView {
   const double* sum;
@@ -44,6 +47,7 @@ struct ConstFilmView {
   const std::uint32_t* state;
 };
 inline constexpr std::uint32_t kMetMatter = 1u << 31;
+inline constexpr std::uint32_t kShowsSlice = 1u << 30;  ///< in any sample: is never smoothed
 inline constexpr std::uint32_t kDroppedMask = 0x7fff;
 
 HOST_DEVICE void fold(const FilmView& film, std::uint64_t pixel, const PixelBatch& batch) {
@@ -56,13 +60,14 @@ HOST_DEVICE void fold(const FilmView& film, std::uint64_t pixel, const PixelBatc
   difference[0] += d.x;
   difference[1] += d.y;
   difference[2] += d.z;
-  if (batch.met_matter || batch.dropped_even != 0 || batch.dropped_odd != 0) {
+  if (batch.met_matter || batch.met_slice || batch.dropped_even != 0 || batch.dropped_odd != 0) {
     std::uint32_t state = film.state[pixel];
     const std::uint32_t even = smaller((state & kDroppedMask) + batch.dropped_even, kDroppedMask);
     const std::uint32_t odd =
         smaller((state >> 15 & kDroppedMask) + batch.dropped_odd, kDroppedMask);
-    film.state[pixel] =
-        (state & kMetMatter) | (batch.met_matter ? kMetMatter : 0u) | even | odd << 15;
+    film.state[pixel] = (state & (kMetMatter | kShowsSlice)) |
+                        (batch.met_matter ? kMetMatter : 0u) |
+                        (batch.met_slice ? kShowsSlice : 0u) | even | odd << 15;
   }
 }
 

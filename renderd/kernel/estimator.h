@@ -4,6 +4,7 @@
 #include "renderd/kernel/clip.h"
 #include "renderd/kernel/direct.h"
 #include "renderd/kernel/features.h"
+#include "renderd/kernel/guides.h"
 #include "renderd/kernel/primary.h"
 #include "renderd/kernel/scatter.h"
 #include "renderd/kernel/tracking.h"
@@ -19,7 +20,22 @@ struct Sample {
   Float3 radiance;
   bool met_matter;  ///< the camera ray met contents of the volume, matter or a slice (the error
                     ///< counts such pixels only)
+  bool shows_slice = false;  ///< exact: never smoothed
 };
+/// With Feature::kGuides.
+struct GuidedSample : Sample {
+  Guides guides;  ///< of the film's first kGuidedSamples, else zero
+};
+template <bool Guided>
+struct SampleChoice {
+  using Type = Sample;
+};
+template <>
+struct SampleChoice<true> {
+  using Type = GuidedSample;
+};
+template <Features F>
+using SampleOf = typename SampleChoice<F.has(Feature::kGuides)>::Type;
 
 /// Transmittance from `place` (voxel indices) along the unit `direction` (mm) for `distance` mm, by
 /// tracking.
@@ -100,8 +116,8 @@ HOST_DEVICE Float3 path_onwards(const SceneView<Volume>& scene, Float3 place, Sc
 /// One unbiased estimate of the radiance through pixel (x, y) by tracking. `sample` counts the
 /// samples of the film, from 0. The pixel is a box filter.
 template <Features F, typename Volume>
-HOST_DEVICE Sample estimate(const SceneView<Volume>& scene, std::uint32_t x, std::uint32_t y,
-                            std::uint64_t sample) {
+HOST_DEVICE SampleOf<F> estimate(const SceneView<Volume>& scene, std::uint32_t x, std::uint32_t y,
+                                 std::uint64_t sample) {
   const std::uint32_t pixel = x + scene.width * y;
   Random random(scene.seed, pixel, scene.first_sample + sample);
   const Points points(scene.stream, pixel, sample);
@@ -115,12 +131,18 @@ HOST_DEVICE Sample estimate(const SceneView<Volume>& scene, std::uint32_t x, std
                                          static_cast<float>(y) + jitter.b, lens);
   const Sight sight = sight_along<F>(scene, camera);
   const Span span = sight.span;
-  Sample result{sight.behind, sight.slice};
+  SampleOf<F> result{};
+  result.radiance = sight.behind;
+  result.met_matter = result.shows_slice = sight.slice;
+  if constexpr (F.has(Feature::kGuides)) {
+    if (sample < kGuidedSamples) result.guides = guides_along(scene, camera.ray, span);
+  }
   if (!(span.begin < span.end)) return result;
   const Collision hit = track<F.has(Feature::kSteepExtinction)>(
       camera.ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
   result.met_matter |= hit.met_matter;
   if (!hit.found) return result;
+  result.shows_slice = false;
   const Float3 place = camera.ray.at(hit.distance);
   float choice = 0.5f;
   if constexpr (F.has(Feature::kHybrid)) choice = pair(Points::kPick).a;

@@ -32,6 +32,12 @@ inline constexpr Features kVariants[] = {
         .with(Feature::kEnvironment)
         .with(Feature::kSurfaces)
         .with(Feature::kGloss),
+    Features{}
+        .with(Feature::kAreaLights)
+        .with(Feature::kManyLights)
+        .with(Feature::kEnvironment)
+        .with(Feature::kGuides),
+    kAllFeatures.without(Feature::kGuides),
     kAllFeatures,
 };
 inline constexpr std::size_t kVariantCount = sizeof(kVariants) / sizeof(kVariants[0]);

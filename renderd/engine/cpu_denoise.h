@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "renderd/engine/thread_pool.h"
+#include "renderd/film/canvas.h"
+#include "renderd/film/film.h"
+#include "renderd/film/guides.h"
+
+namespace diaphane::render {
+
+/// What the denoiser reads.
+struct DenoiseInput {
+  ConstFilmView film;
+  const PackedGuides* guides;
+  Canvas size;
+  std::uint64_t samples;  ///< per pixel, at least 1
+  float white;            ///< of the picture (film/error.h)
+  float voxel;            ///< mm
+};
+
+/// The picture's radiance, three a pixel, smoothed (film/denoise.h). The same bits whatever the
+/// number of threads. 90 bytes a pixel of memory while it runs.
+std::vector<float> denoise(ThreadPool& pool, const DenoiseInput& input);
+
+}  // namespace diaphane::render

@@ -1,0 +1,221 @@
+#pragma once
+
+#include <cstdint>
+
+#include "renderd/film/film.h"
+#include "renderd/film/guides.h"
+
+// Smooths the first pictures of an epoch, when they are still noise: an edge-avoiding a-trous
+// filter (Dammertz et al. 2010) that is steered by the guides and by the picture's own variance
+// (Schied et al. 2017, without time), and then as much of the raw picture as makes the error least.
+//
+// How much: with M the raw picture, F the filtered one and d the deviation of M (film.h: E[d^2] =
+// Var[M], independent of M's mean), the squared error of M + w (F - M) is least at
+//   w = E[(M - truth) (M - F)] / E[(F - M)^2]   and   E[(M - truth) (M - F)] = E[d (d - F_d)],
+// F_d the filtered d: exact for a filter whose weights do not depend on the noise. Both means are
+// taken over a tile and its neighbours. The numerator falls as 1 / samples, the denominator goes to
+// what the filter is wrong by: w goes to 0, and the picture ends as the raw one.
+//
+// Every function is of one pixel or of a pair of pixels; the executors bring loops and memory.
+
+namespace diaphane::render {
+
+/// Passes of 5 x 5 taps, 1, 2, 4, ... pixels apart.
+inline constexpr std::uint32_t kDenoisePasses = 4;
+inline constexpr std::int32_t kDenoiseReach = 2;
+
+/// Along one axis, by distance: the B3 spline.
+HOST_DEVICE float spline_weight(std::int32_t tap) {
+  constexpr float kWeights[] = {3.0f / 8.0f, 1.0f / 4.0f, 1.0f / 16.0f};
+  return kWeights[tap < 0 ? -tap : tap];
+}
+
+/// What is filtered. In units of the picture's white.
+struct Smoothed {
+  Float3 mean;
+  float deviation;  ///< of the luminance
+};
+
+/// What steers the filter at a pixel.
+struct Steering {
+  float takes_part;  ///< 1; 0: nothing of it goes to other pixels
+  float opacity, depth;
+  Float3 albedo, normal;
+};
+
+HOST_DEVICE float luminance(Float3 c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
+
+/// Brighter pixels are clipped: one lost path must not light up its surroundings. In units of
+/// white.
+inline constexpr float kBrightest = 16.0f;
+
+HOST_DEVICE float bounded(float x, float low, float high) {
+  return larger(smaller(x, high), low);  // NaN becomes `high`, but is asked for before
+}
+
+HOST_DEVICE Smoothed to_be_smoothed(const PixelEstimate& e, float inverse_white) {
+  const Float3 m = e.mean * inverse_white;
+  const float d = luminance(e.deviation) * inverse_white;
+  Smoothed s{{0.0f, 0.0f, 0.0f}, 0.0f};
+  if (is_finite(m)) {
+    s.mean = {bounded(m.x, 0.0f, kBrightest), bounded(m.y, 0.0f, kBrightest),
+              bounded(m.z, 0.0f, kBrightest)};
+  }
+  if (d - d == 0.0f) s.deviation = bounded(d, -kBrightest, kBrightest);
+  return s;
+}
+
+HOST_DEVICE Steering steering_of(const Guides& g, bool takes_part) {
+  Steering s;
+  s.takes_part = takes_part ? 1.0f : 0.0f;
+  s.opacity = g.opacity;
+  s.depth = g.opacity > 0.0f ? g.depth / g.opacity : 0.0f;
+  s.albedo = g.albedo;
+  s.normal = g.normal;
+  return s;
+}
+
+/// About exp(-x) for x >= 0; 0 from 8 on.
+HOST_DEVICE float falloff(float x) {
+  const float t = larger(1.0f - 0.125f * x, 0.0f);
+  const float t2 = t * t, t4 = t2 * t2;
+  return t4 * t4;
+}
+
+HOST_DEVICE float squared(float x) { return x * x; }
+HOST_DEVICE float squared(Float3 x) { return dot(x, x); }
+
+struct DenoiseTuning {
+  float opacity = 1.0f / (0.1f * 0.1f);
+  float albedo = 1.0f / (0.08f * 0.08f);
+  float normal = 1.0f / (0.8f * 0.8f);
+  float luminance = 1.0f / (2.5f * 2.5f);
+};
+
+/// How unlike two pixels are in what the guides know. `depth_step`: mm of depth that are no edge.
+HOST_DEVICE float unlikeness(const Steering& p, const Steering& q, float depth_step,
+                             const DenoiseTuning& tuning) {
+  const float both = smaller(p.opacity, q.opacity);
+  return tuning.opacity * squared(p.opacity - q.opacity) +
+         tuning.albedo * squared(p.albedo - q.albedo) +
+         tuning.normal * squared(p.normal - q.normal) +
+         both * squared((p.depth - q.depth) / depth_step);
+}
+
+/// How far the picture's own luminance steers a pass, by the distance of its taps. Before
+/// neighbours have been averaged a lone bright path looks like a detail, and would stay one.
+HOST_DEVICE float luminance_trust(std::int32_t stride) {
+  return stride == 1 ? 0.0f : stride == 2 ? 0.1f : stride == 4 ? 0.5f : 1.0f;
+}
+
+/// mm of depth from a pixel to one `distance` pixels on that are no edge: a voxel's, and what the
+/// surface's `slope` (mm a pixel) says.
+HOST_DEVICE float depth_step(float voxel, float slope, float distance) {
+  return voxel + slope * distance;
+}
+
+/// Weight of pixel q in the sum for pixel p. `trust`: luminance_trust().
+HOST_DEVICE float tap_weight(const Smoothed& p, float variance, float trust, const Steering& at_p,
+                             float slope, const Smoothed& q, const Steering& at_q, float spline,
+                             float distance, float voxel) {
+  const DenoiseTuning tuning;
+  const float apart = unlikeness(at_p, at_q, depth_step(voxel, slope, distance), tuning) +
+                      trust * tuning.luminance * squared(luminance(p.mean) - luminance(q.mean)) /
+                          (variance + 1e-8f);
+  return spline * at_q.takes_part * falloff(apart);
+}
+
+/// Smaller steps in depth to the two sides of a pixel: the slope of the surface that it is on.
+HOST_DEVICE float slope_of(float before, float here, float after) {
+  return smaller(fabsf(here - before), fabsf(after - here));
+}
+
+/// What one pixel adds to the two means that decide how much is smoothed; by luminance, weighted by
+/// about the square of the tone curve's slope, since the error is that of the picture on the
+/// screen.
+struct Gain {
+  float less_noise;  ///< d (d - F_d)
+  float change;      ///< (F - M)^2
+};
+
+HOST_DEVICE Gain gain_of(const Smoothed& raw, const Smoothed& filtered) {
+  const float shown = 1.0f / (bounded(luminance(filtered.mean), 0.0f, 1.0f) + 0.02f);
+  return {shown * raw.deviation * (raw.deviation - filtered.deviation),
+          shown * squared(luminance(filtered.mean) - luminance(raw.mean))};
+}
+
+HOST_DEVICE float share_of_filtered(const Gain& sum) {
+  if (!(sum.change > 0.0f)) return 0.0f;
+  return bounded(sum.less_noise / sum.change, 0.0f, 1.0f);
+}
+
+/// Edge in pixels of the tiles over which gains are summed.
+inline constexpr std::uint32_t kGainTile = 16;
+
+struct GainsView {
+  const Gain* tiles;  ///< rows from the top
+  std::uint32_t across, down;
+};
+
+/// At a pixel: bilinear between the middles of the four nearest tiles, so that no tile's border is
+/// seen.
+HOST_DEVICE Gain gain_around(const GainsView& gains, std::uint32_t x, std::uint32_t y) {
+  const float u = bounded((static_cast<float>(x) + 0.5f) / kGainTile - 0.5f, 0.0f,
+                          static_cast<float>(gains.across - 1));
+  const float v = bounded((static_cast<float>(y) + 0.5f) / kGainTile - 0.5f, 0.0f,
+                          static_cast<float>(gains.down - 1));
+  const auto x0 = static_cast<std::uint32_t>(u), y0 = static_cast<std::uint32_t>(v);
+  const std::uint32_t x1 = smaller(x0 + 1, gains.across - 1), y1 = smaller(y0 + 1, gains.down - 1);
+  const float wx = u - static_cast<float>(x0), wy = v - static_cast<float>(y0);
+  Gain sum{0.0f, 0.0f};
+  const auto add = [&](std::uint32_t i, std::uint32_t j, float weight) {
+    const Gain& g = gains.tiles[i + gains.across * j];
+    sum.less_noise += weight * g.less_noise;
+    sum.change += weight * g.change;
+  };
+  add(x0, y0, (1.0f - wx) * (1.0f - wy));
+  add(x1, y0, wx * (1.0f - wy));
+  add(x0, y1, (1.0f - wx) * wy);
+  add(x1, y1, wx * wy);
+  return sum;
+}
+
+/// The raw picture untouched where nothing of the filtered one is taken.
+HOST_DEVICE Float3 blended(Float3 raw, Float3 filtered, float share) {
+  if (!(share > 0.0f)) return raw;
+  if (!is_finite(raw)) return filtered;
+  return raw + (filtered - raw) * share;
+}
+
+/// Whether a picture of this estimated error (film/error.h; infinite when unknown) is smoothed at
+/// all: an error of half a level of the display needs none.
+HOST_DEVICE bool worth_denoising(double error) { return error > 0.002; }
+
+/// Whether a pixel is smoothed and smooths others: something is seen through it, no slice, and a
+/// sample of it was good.
+HOST_DEVICE bool takes_part(const ConstFilmView& film, std::uint64_t pixel, std::uint64_t samples,
+                            const Guides& guides) {
+  const std::uint32_t state = film.state[pixel];
+  if ((state & kShowsSlice) != 0) return false;
+  if ((state & kMetMatter) == 0 && !(guides.opacity > 0.0f)) return false;
+  const std::uint32_t dropped = (state & kDroppedMask) + (state >> 15 & kDroppedMask);
+  return dropped < samples;
+}
+
+/// For the deviation of a picture of one sample, which has no halves: its difference to a
+/// neighbour, the one most like it by the guides, stands for the difference of the halves.
+struct NeighbourDeviation {
+  float value = 0.0f;
+  float apart = 3.4e38f;
+
+  HOST_DEVICE void offer(const Smoothed& p, const Steering& at_p, const Smoothed& q,
+                         const Steering& at_q, float voxel) {
+    constexpr float kHalfRoot = 0.70710678f;
+    const float here = unlikeness(at_p, at_q, depth_step(voxel, 0.0f, 1.0f), {});
+    if (!(at_q.takes_part > 0.0f) || !(here < apart)) return;
+    apart = here;
+    value = kHalfRoot * (luminance(p.mean) - luminance(q.mean));
+  }
+};
+
+}  // namespace diaphane::render

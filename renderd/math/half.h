@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+
+#include "renderd/math/host_device.h"
+
+namespace diaphane::render {
+
+/// IEEE 754 binary16 of a finite `x`, to nearest; beyond its range the largest, below it 0. By the
+/// bits, so that both engines store the same.
+HOST_DEVICE std::uint16_t to_half(float x) {
+  union Bits {
+    float f;
+    std::uint32_t u;
+  } b{x};
+  const std::uint32_t sign = b.u >> 16 & 0x8000u;
+  b.u &= 0x7fffffffu;
+  if (b.u >= 0x477ff000u) return static_cast<std::uint16_t>(sign | 0x7bffu);
+  if (b.u < 0x38800000u) return static_cast<std::uint16_t>(sign);  // below 2^-14
+  const std::uint32_t rounded = b.u + 0xfffu + (b.u >> 13 & 1u);
+  return static_cast<std::uint16_t>(sign | ((rounded - 0x38000000u) >> 13));
+}
+
+HOST_DEVICE float from_half(std::uint16_t half) {
+  union Bits {
+    std::uint32_t u;
+    float f;
+  } b{(half & 0x7fffu) == 0 ? 0u : ((half & 0x7fffu) << 13) + 0x38000000u};
+  b.u |= (half & 0x8000u) << 16;
+  return b.f;
+}
+
+}  // namespace diaphane::render
