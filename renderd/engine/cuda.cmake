@@ -3,7 +3,7 @@
 # What NVRTC compiles at run time is the source of the same build, inside the program.
 file(GLOB kernel_sources CONFIGURE_DEPENDS
   ${CMAKE_SOURCE_DIR}/renderd/kernel/*.h ${CMAKE_SOURCE_DIR}/renderd/math/*.h
-  ${CMAKE_SOURCE_DIR}/renderd/film/film.h ${CMAKE_CURRENT_SOURCE_DIR}/cuda_*.cuh
+  ${CMAKE_SOURCE_DIR}/renderd/film/film.h ${CMAKE_SOURCE_DIR}/renderd/film/guides.h ${CMAKE_CURRENT_SOURCE_DIR}/cuda_*.cuh
   ${CMAKE_CURRENT_SOURCE_DIR}/cuda_*_types.h ${CMAKE_CURRENT_SOURCE_DIR}/rtc/*)
 list(FILTER kernel_sources EXCLUDE REGEX "/test_[a-z_]*[.]h$")
 list(JOIN kernel_sources "\n" kernel_source_lines)

@@ -28,6 +28,7 @@ __device__ __forceinline__ void join_lanes(PixelBatch& batch, std::uint32_t lane
     batch.dropped_even += other(batch.dropped_even);
     batch.dropped_odd += other(batch.dropped_odd);
     batch.met_matter |= other(static_cast<std::uint32_t>(batch.met_matter)) != 0;
+    batch.met_slice |= other(static_cast<std::uint32_t>(batch.met_slice)) != 0;
   }
 }
 
@@ -62,7 +63,7 @@ __global__ void __launch_bounds__(kTraceBlock, kTraceBlocks)
   if (inside) {
     for (std::uint32_t s = lane; s < stripe.samples; s += lanes) {
       const Sample sample = estimate<Features{Bits}>(scene, x, y, stripe.film_sample + s);
-      batch.add(sample.radiance, sample.met_matter, stripe.film_sample + s);
+      batch.add(sample.radiance, sample.met_matter, stripe.film_sample + s, sample.shows_slice);
     }
   }
   join_lanes(batch, lanes);  // by whole warps: threads outside the picture take part

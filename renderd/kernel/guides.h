@@ -2,6 +2,7 @@
 
 #include "renderd/film/guides.h"
 #include "renderd/kernel/medium.h"
+#include "renderd/kernel/scatter.h"
 #include "renderd/kernel/views.h"
 #include "renderd/kernel/walk.h"
 
@@ -9,20 +10,6 @@ namespace diaphane::render {
 
 /// Where the ray is taken to be opaque.
 inline constexpr float kGuidesEnd = 0.02f;
-
-/// Gradient of the voxel values in mm by central differences over two voxels, made a unit vector;
-/// zero where there is none.
-template <typename Volume>
-HOST_DEVICE Float3 gradient_direction(const SceneView<Volume>& scene, Float3 p) {
-  const Volume& v = scene.volume;
-  const Float3 gradient = Float3{v.at({p.x + 1.0f, p.y, p.z}) - v.at({p.x - 1.0f, p.y, p.z}),
-                                 v.at({p.x, p.y + 1.0f, p.z}) - v.at({p.x, p.y - 1.0f, p.z}),
-                                 v.at({p.x, p.y, p.z + 1.0f}) - v.at({p.x, p.y, p.z - 1.0f})} *
-                          scene.inverse_spacing;
-  const float squared = dot(gradient, gradient);
-  if (!(squared > 0.0f)) return {0.0f, 0.0f, 0.0f};
-  return gradient * (1.0f / sqrtf(squared));
-}
 
 /// What is seen along `ray` within `span` (inside the grid's box), by steps of a voxel. Draws no
 /// random number: one collision of a tracker is anywhere along the ray, so that guides of a few
@@ -35,7 +22,7 @@ HOST_DEVICE Guides guides_along(const SceneView<Volume>& scene, const Ray& ray, 
   const Float3 d = ray.direction;
   const float per_step =
       larger(larger(fabsf(d.x), fabsf(d.y)), fabsf(d.z));  // voxels per mm along the fastest axis
-  float clear = 1.0f, most = 0.0f, most_at = span.begin;
+  float clear = 1.0f, most = 0.0f, most_at = span.begin, most_value = 0.0f;
   CellWalk walk(ray, span, scene.grid);
   do {
     if (!(scene.grid.cells[walk.cell()].majorant > 0.0f)) continue;
@@ -56,12 +43,13 @@ HOST_DEVICE Guides guides_along(const SceneView<Volume>& scene, const Ray& ray, 
       if (seen > most) {
         most = seen;
         most_at = t;
+        most_value = value;
       }
     }
   } while (clear > kGuidesEnd && walk.advance());
   if (!(most > 0.0f)) return Guides{};
   sum.opacity = 1.0f - clear;
-  sum.normal = gradient_direction(scene, ray.at(most_at)) * sum.opacity;
+  sum.normal = gradient_at(scene, ray.at(most_at), most_value).direction * sum.opacity;
   return clear > kGuidesEnd ? sum : sum * (1.0f / sum.opacity);
 }
 
