@@ -1,0 +1,113 @@
+#include "renderd/cli/command.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "renderd/scene/presets.h"
+#include "renderd/scene/test_scenes.h"
+
+namespace diaphane::render::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A small volume and a scene file in a directory of their own.
+class Command : public testing::Test {
+ protected:
+  void SetUp() override {
+    char name[] = "/tmp/diaphane-render-XXXXXX";
+    ASSERT_NE(mkdtemp(name), nullptr);
+    folder_ = name;
+    volume::Volume volume = test::skull_volume();
+    ASSERT_TRUE(volume::write(volume, folder_ / "volume"));
+    write_scene(test::skull_scene());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void write_scene(const diaphane::v1::Scene& scene) const {
+    std::ofstream(folder_ / "scene.json") << scene_to_json(scene);
+  }
+  Options options() const {
+    Options o;
+    o.input = folder_ / "volume";
+    o.scene_file = folder_ / "scene.json";
+    o.picture = folder_ / "out.ppm";
+    o.report = folder_ / "out.json";
+    o.canvas = {24, 16};
+    o.engine = EngineChoice::kCpu;
+    o.threads = 1;
+    o.quiet = true;
+    return o;
+  }
+  std::string text_of(const char* name) const {
+    std::ifstream file(folder_ / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  nlohmann::json report() const { return nlohmann::json::parse(text_of("out.json")); }
+
+  fs::path folder_;
+};
+
+TEST_F(Command, StopsAtTheErrorAskedFor) {
+  Options o = options();
+  o.error = 0.05;
+  ASSERT_EQ(run(o), 0);
+  EXPECT_EQ(report()["stopped_by"], "error");
+  EXPECT_LE(report()["estimated_error"], 0.05);
+  EXPECT_GE(report()["samples"], 2);
+}
+
+TEST_F(Command, StopsAtTheSecondsAskedForWithOneSampleAtLeast) {
+  Options o = options();
+  o.seconds = 1e-9;
+  ASSERT_EQ(run(o), 0);
+  EXPECT_EQ(report()["stopped_by"], "seconds");
+  EXPECT_EQ(report()["samples"], 1);
+  EXPECT_EQ(text_of("out.ppm").size(), std::string("P6\n24 16\n255\n").size() + 24 * 16 * 3);
+}
+
+TEST_F(Command, LookingAtTheErrorChangesNoPicture) {
+  Options o = options();
+  o.samples = 40;
+  ASSERT_EQ(run(o), 0);
+  const std::string plain = text_of("out.ppm");
+  o.error = 1e-9;
+  o.seconds = 1e6;
+  ASSERT_EQ(run(o), 0);
+  EXPECT_EQ(report()["stopped_by"], "samples");
+  EXPECT_EQ(report()["samples"], 40);
+  EXPECT_EQ(text_of("out.ppm"), plain);
+}
+
+TEST_F(Command, BouncesTakeThePlaceOfTheScenes) {
+  Options o = options();
+  o.samples = 1;
+  o.bounces = 3;
+  ASSERT_EQ(run(o), 0);
+  const auto features = report()["features"];
+  EXPECT_NE(std::find(features.begin(), features.end(), "bounces"), features.end());
+}
+
+TEST_F(Command, AWrongSceneLeavesThePictureOfBefore) {
+  Options o = options();
+  o.samples = 1;
+  ASSERT_EQ(run(o), 0);
+  const std::string before = text_of("out.ppm");
+  diaphane::v1::Scene bad = test::skull_scene();
+  bad.mutable_clip()->add_planes();
+  write_scene(bad);
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run(o), kExitData);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("clip.planes[0].normal"), std::string::npos) << said;
+  EXPECT_EQ(text_of("out.ppm"), before);
+}
+
+}  // namespace
+}  // namespace diaphane::render::cli
