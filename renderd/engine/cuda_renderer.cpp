@@ -46,7 +46,9 @@ CudaRenderer::~CudaRenderer() { cudaStreamSynchronize(stream_.get()); }
 Result<CudaRenderer::Tables> CudaRenderer::grown_tables(const PreparedScene& prepared) const {
   Tables larger;
   const PreparedTransfer& transfer = *prepared.transfer;
-  DIAPHANE_TRY(grow(larger.extinction, tables_.extinction, transfer.extinction.size()));
+  auto acceleration = Acceleration::reserve(tables_.acceleration, *volume_, transfer);
+  if (!acceleration) return tl::unexpected(acceleration.error());
+  larger.acceleration = std::move(*acceleration);
   DIAPHANE_TRY(grow(larger.colour, tables_.colour, transfer.colour.size()));
   if (prepared.features.has(Feature::kGloss)) {
     DIAPHANE_TRY(grow(larger.gloss, tables_.gloss, transfer.gloss.size()));
@@ -54,7 +56,6 @@ Result<CudaRenderer::Tables> CudaRenderer::grown_tables(const PreparedScene& pre
   if (prepared.features.has(Feature::kEmission)) {
     DIAPHANE_TRY(grow(larger.emission, tables_.emission, transfer.emission.size()));
   }
-  DIAPHANE_TRY(grow(larger.bounds, tables_.bounds, transfer.bounds.size()));
   DIAPHANE_TRY(grow(larger.lights, tables_.lights, prepared.lights.size()));
   DIAPHANE_TRY(grow(larger.maps, tables_.maps, prepared.maps.size()));
   if (const auto& textures = prepared.textures) {
@@ -81,10 +82,8 @@ Result<void> CudaRenderer::upload_tables(const PreparedScene& prepared) {
         upload(tables_.emission, transfer.emission.data(), transfer.emission.size(), stream));
   }
   if (other) {
-    DIAPHANE_TRY(
-        upload(tables_.extinction, transfer.extinction.data(), transfer.extinction.size(), stream));
     DIAPHANE_TRY(upload(tables_.colour, transfer.colour.data(), transfer.colour.size(), stream));
-    DIAPHANE_TRY(upload(tables_.bounds, transfer.bounds.data(), transfer.bounds.size(), stream));
+    DIAPHANE_TRY(tables_.acceleration.rebuild_acceleration(*volume_, transfer, stream));
   }
   return upload_lights(prepared);
 }
@@ -125,14 +124,13 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   }
   // Launches of a batch that was stopped may still read the tables and write the film.
   DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream_.get()));
-  adopt(tables_.extinction, std::move(larger->extinction));
+  if (larger->acceleration.made()) tables_.acceleration = std::move(larger->acceleration);
   adopt(tables_.colour, std::move(larger->colour));
   adopt(tables_.gloss, std::move(larger->gloss));
   adopt(tables_.emission, std::move(larger->emission));
   // Memory for a thing exists only while the scene has it.
   if (!prepared->features.has(Feature::kGloss)) tables_.gloss = {};
   if (!prepared->features.has(Feature::kEmission)) tables_.emission = {};
-  adopt(tables_.bounds, std::move(larger->bounds));
   adopt(tables_.lights, std::move(larger->lights));
   adopt(tables_.maps, std::move(larger->maps));
   if (prepared->textures) {
@@ -150,6 +148,8 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   DIAPHANE_TRY(film_->clear(stream_.get()));
   scene_ = scene;
   prepared_ = std::move(*prepared);
+  prepared_.features = prepared_.features.with(
+      Feature::kSteepExtinction, prepared_.matter && tables_.acceleration.steep(prepared_.spacing));
   variant_ = variants_->get(kTraceKernel, prepared_.features);
   launch_size_.forget();
   seconds_ = 0;
@@ -175,8 +175,9 @@ Result<void> CudaRenderer::note_launch(Flight& flight, std::uint64_t work) {
 
 SceneView<TextureVolume> CudaRenderer::view() const {
   SceneView<TextureVolume> view =
-      view_of(prepared_, volume_->view(), tables_.extinction.data(), tables_.colour.data(),
-              tables_.bounds.data(), light_arrays(), seed_, first_sample_, method_);
+      view_of(prepared_, volume_->view(), tables_.acceleration.extinction(), tables_.colour.data(),
+              tables_.acceleration.bounds(), light_arrays(), seed_, first_sample_, method_);
+  if (prepared_.matter) view.grid.occupied = tables_.acceleration.occupied();
   view.transfer.gloss = tables_.gloss.data();
   view.transfer.emission = tables_.emission.data();
   return view;
@@ -279,7 +280,9 @@ KernelReport CudaRenderer::report() const {
   report.from_cache = variant_->from_cache;
   report.registers = variant_->registers;
   report.local_bytes = variant_->local_bytes;
+  report.empty_cells = tables_.acceleration.empty_cells();
   report.volume_bytes = volume_->device_bytes();
+  report.acceleration_bytes = tables_.acceleration.device_bytes();
   report.film_bytes = film_->device_bytes();
   return report;
 }

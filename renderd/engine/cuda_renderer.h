@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "renderd/engine/cuda_acceleration.h"
 #include "renderd/engine/cuda_film.h"
 #include "renderd/engine/cuda_launch_size.h"
 #include "renderd/engine/cuda_memory.h"
@@ -42,10 +43,9 @@ class CudaRenderer : public FrameRenderer {
 
   /// The scene's arrays on the device.
   struct Tables {
-    DeviceBuffer<float> extinction;
     DeviceBuffer<Float4> colour;
     DeviceBuffer<Float4> gloss, emission;  ///< nothing while no scene has needed them
-    DeviceBuffer<CellBounds> bounds;
+    Acceleration acceleration;             ///< nothing where the one that is there is large enough
     DeviceBuffer<AreaLight> lights;
     // Of textures on lights; of one element each while the scene has none.
     DeviceBuffer<EnvironmentMap> maps;

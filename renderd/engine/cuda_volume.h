@@ -4,7 +4,8 @@
 
 #include <memory>
 
-#include "renderd/engine/cuda_kernels.h"
+#include "renderd/engine/cuda_memory.h"
+#include "renderd/engine/cuda_trace_types.h"
 #include "renderd/engine/frame_renderer.h"
 #include "renderd/scene/grid.h"
 
@@ -20,16 +21,22 @@ class CudaVolume : public DeviceVolume {
   CudaVolume& operator=(const CudaVolume&) = delete;
 
   const volume::Header& header() const override { return header_; }
-  std::uint64_t device_bytes() const override { return 2 * header_.voxel_count(); }
+  std::uint64_t device_bytes() const override {
+    return 2 * header_.voxel_count() + ranges_.bytes();
+  }
+  /// Without its ranges, which are on the device.
   const ValueGrid& grid() const { return grid_; }
+  const ValueRange* ranges() const { return ranges_.data(); }
   TextureVolume view() const;
 
  private:
   explicit CudaVolume(const volume::Header& header) : header_(header) {}
-  Result<void> upload(const std::int16_t* voxels);
+  Result<void> upload(const std::int16_t* voxels, cudaStream_t stream);
+  Result<void> find_ranges(cudaStream_t stream);
 
   volume::Header header_;
   ValueGrid grid_;
+  DeviceBuffer<ValueRange> ranges_;
   cudaArray_t array_ = nullptr;
   cudaTextureObject_t texture_ = 0;
 };

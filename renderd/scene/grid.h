@@ -16,7 +16,8 @@ struct ValueRange {
   std::int16_t minimum, maximum;
 };
 
-/// Made once a volume; a transfer-function edit needs nothing else of the voxels.
+/// Made once a volume; a transfer-function edit needs nothing else of the voxels. An engine that
+/// keeps the ranges on its device, and bounds the cells there, leaves `ranges` empty.
 struct ValueGrid {
   Int3 cells{};                    ///< macrocells along x, y, z
   std::vector<ValueRange> ranges;  ///< x fastest

@@ -225,6 +225,7 @@ PreparedTransfer prepare_transfer(const diaphane::v1::TransferFunction& function
   out.bounds.resize(grid.ranges.size());
   bake(function, minimum, k, out);
   out.margin = static_cast<float>(rounding_margin(grid, k));
+  if (grid.ranges.empty()) return out;
   const TableExtrema extrema(out.extinction);
   bound_cells(grid, extrema, out);
   out.steep = is_steep(out, spacing);

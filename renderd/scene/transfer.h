@@ -41,6 +41,8 @@ Material material_at(const diaphane::v1::TransferFunction& function, double valu
 /// The tables span the volume's values with a node per 2^-k of a value unit: k = 0 for a CT's 12
 /// bits, coarser for wider ranges (8192 nodes), finer where two points of a curve are closer than
 /// two nodes (65536 nodes at most). A jump at a channel's end becomes a ramp one node wide.
+/// Where the grid has no ranges (ValueGrid), only the tables are made, without rows of maxima: an
+/// engine makes the rest on its device.
 PreparedTransfer prepare_transfer(const diaphane::v1::TransferFunction& function,
                                   const ValueGrid& grid, Int3 size, Float3 spacing);
 

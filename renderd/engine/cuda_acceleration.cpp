@@ -1,0 +1,74 @@
+#include "renderd/engine/cuda_acceleration.h"
+
+#include "renderd/kernel/tracking.h"
+
+namespace diaphane::render::cuda {
+namespace {
+
+template <typename T>
+Result<void> allocate(DeviceBuffer<T>& buffer, std::size_t count) {
+  auto made = DeviceBuffer<T>::of(count);
+  if (!made) return tl::unexpected(made.error());
+  buffer = std::move(*made);
+  return {};
+}
+
+std::size_t cell_count(Int3 cells) {
+  return static_cast<std::size_t>(cells.x) * static_cast<std::size_t>(cells.y) *
+         static_cast<std::size_t>(cells.z);
+}
+
+}  // namespace
+
+Result<Acceleration> Acceleration::reserve(const Acceleration& current, const CudaVolume& volume,
+                                           const PreparedTransfer& transfer) {
+  Acceleration made;
+  const auto nodes =
+      static_cast<std::size_t>(transfer.count) * static_cast<std::size_t>(rows_of(transfer.count));
+  if (current.made() && current.maxima_.capacity() >= nodes) return made;
+  made.cells_ = volume.grid().cells;
+  made.size_ = volume.view().size;
+  DIAPHANE_TRY(allocate(made.maxima_, nodes));
+  DIAPHANE_TRY(allocate(made.minima_, nodes));
+  DIAPHANE_TRY(allocate(made.bounds_, cell_count(made.cells_)));
+  DIAPHANE_TRY(allocate(made.summary_, 1));
+  return made;
+}
+
+Result<void> Acceleration::rebuild_acceleration(const CudaVolume& volume,
+                                                const PreparedTransfer& transfer,
+                                                cudaStream_t stream) {
+  const TableRows table{maxima_.data(), minima_.data(), transfer.count};
+  const ValueMapping mapping{volume.grid().whole.minimum, static_cast<double>(transfer.scale),
+                             static_cast<double>(transfer.margin)};
+  DIAPHANE_TRY(upload(maxima_, transfer.extinction.data(), static_cast<std::size_t>(transfer.count),
+                      stream));
+  DIAPHANE_TRY(upload(summary_, &kNothingFound, 1, stream));
+  DIAPHANE_CUDA_TRY(fill_rows(table, stream));
+  DIAPHANE_CUDA_TRY(bound_cells(volume.ranges(), cells_, table, mapping, bounds_.data(),
+                                summary_.data(), stream));
+  return download(&found_, summary_, 1, stream);
+}
+
+Box Acceleration::occupied() const {
+  if (found_.occupied == 0) return {{0, 0, 0}, {0, 0, 0}};
+  const auto begin = [this](int axis) { return static_cast<float>(found_.low[axis] * kCellSize); };
+  const auto end = [this](int axis) {
+    return static_cast<float>(smaller((found_.high[axis] + 1) * kCellSize, size_[axis]));
+  };
+  return {{begin(0), begin(1), begin(2)}, {end(0), end(1), end(2)}};
+}
+
+bool Acceleration::steep(Float3 spacing) const {
+  return found_.widest * (kCellSize * length(spacing)) > 3 * kDeepCell;
+}
+
+double Acceleration::empty_cells() const {
+  return 1 - static_cast<double>(found_.occupied) / static_cast<double>(cell_count(cells_));
+}
+
+std::uint64_t Acceleration::device_bytes() const {
+  return maxima_.bytes() + minima_.bytes() + bounds_.bytes() + summary_.bytes();
+}
+
+}  // namespace diaphane::render::cuda
