@@ -4,11 +4,12 @@
 #   HEADERS  folder with include/{tl,nlohmann,CLI}, where the machine lacks them (tools/gpu/headers.sh)
 #   CRANIUM  the scene's volume (tools/gpu/cranium_volume.py); without it nothing is measured
 #   OUT      where logs, pictures and render.json go; default out/
-#   STEPS    of "build unit gpu memcheck measure"; default all
+#   CONFIGURE, TARGETS  further arguments of CMake; what to build instead of everything
+#   STEPS    of "build unit gpu memcheck engine measure"; default all
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 OUT=${OUT:-$PWD/out}
-STEPS=${STEPS:-build unit gpu memcheck measure}
+STEPS=${STEPS:-build unit gpu memcheck engine measure}
 BUILD=${BUILD:-build/remote}
 CRANIUM=${CRANIUM:-}
 mkdir -p "$OUT"
@@ -31,9 +32,9 @@ if wants build; then
   headers=()
   if [[ -n ${HEADERS:-} ]]; then headers=(-DCMAKE_INCLUDE_PATH="$(readlink -f "$HEADERS")/include"); fi
   step configure cmake -G Ninja -S . -B "$BUILD" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DDIAPHANE_API=OFF \
-    -DDIAPHANE_RENDERD=OFF -DDIAPHANE_INGEST=OFF -DDIAPHANE_CUDA=ON "${headers[@]}" || exit 1
+    -DDIAPHANE_RENDERD=OFF -DDIAPHANE_INGEST=OFF -DDIAPHANE_CUDA=ON "${headers[@]}" ${CONFIGURE:-} || exit 1
   grep -i 'CUDA engine' "$OUT/configure.log"
-  step build ninja -C "$BUILD" || exit 1
+  step build ninja -C "$BUILD" ${TARGETS:-} || exit 1
 fi
 nvidia-smi --query-gpu=name,driver_version,memory.total --format=csv,noheader
 if wants unit; then step unit ctest --test-dir "$BUILD" -LE gpu --output-on-failure; fi
@@ -44,9 +45,17 @@ fi
 if wants memcheck; then
   for tool in memcheck racecheck initcheck; do
     step "$tool" compute-sanitizer --tool $tool --error-exitcode 9 "$BUILD/bin/render_cuda_test" \
-      --gtest_filter='CudaFilmTest.*:CudaEngineTest.TheSame*:CudaEngineTest.ABadScene*:CudaEngineTest.ANewScene*'
+      --gtest_filter='CudaFilmTest.*:AccelerationTest.*:CudaEngineTest.TheSame*:CudaEngineTest.ABadScene*:CudaEngineTest.ANewScene*'
     grep -E 'ERROR SUMMARY|RACECHECK SUMMARY' "$OUT/$tool.log"
   done
+fi
+if wants engine; then
+  step engine "$BUILD/bin/diaphane-cuda-measure"
+  cp "$OUT/engine.log" "$OUT/engine.json"
+  if [[ -n $CRANIUM ]]; then
+    python3 tools/gpu/kernels.py "$BUILD/bin/diaphane-render" "$CRANIUM" "$OUT/kernels.json" \
+      tests/scenes/{cranium,surface}.json || failed=1
+  fi
 fi
 if wants measure && [[ -n $CRANIUM ]]; then
   render=("$BUILD/bin/diaphane-render" "$CRANIUM" --scene tests/scenes/cranium.json --quiet)
@@ -57,5 +66,5 @@ if wants measure && [[ -n $CRANIUM ]]; then
   "${render[@]}" --engine cuda --samples 2048 --out "$OUT/cranium.png" || true  # where libpng is
   DIAPHANE_CRANIUM=$CRANIUM python3 tools/gpu/bench.py "$BUILD" "$OUT/render.json" || failed=1
 fi
-cat "$OUT"/*.log > "$OUT/all.log" && rm "$OUT"/{configure,build,unit,gpu,memcheck,racecheck,initcheck}.log 2> /dev/null
+cat "$OUT"/*.log > "$OUT/all.log" && rm "$OUT"/{configure,build,unit,gpu,memcheck,racecheck,initcheck,engine}.log 2> /dev/null
 exit $failed
