@@ -5,9 +5,11 @@
 // is one observation, 48 runs with seeds of their own on each engine. Significance 1e-4 over all
 // tests of a pair of pictures (Sidak). The last test shows that a bias of 2% is seen.
 #include <cmath>
+#include <string>
 
 #include "renderd/engine/cpu_engine.h"
 #include "renderd/engine/cuda_test_support.h"
+#include "renderd/scene/test_textures.h"
 
 namespace diaphane::render::cuda {
 namespace {
@@ -108,6 +110,53 @@ TEST_F(CudaAgainstCpuTest, EveryVariantHasTheSameMean) {
         expect_same(volume, scene, kFew);
       }
     }
+  }
+}
+
+TEST_F(CudaAgainstCpuTest, LightsOfEveryShapeHaveTheSameMean) {
+  auto scene = full_scene();
+  const auto colour = [](diaphane::v1::Rgb* c) {
+    c->set_r(6);
+    c->set_g(4);
+    c->set_b(3);
+  };
+  auto* disk = scene.add_lights()->mutable_disk();
+  disk->mutable_centre()->set_x(40);
+  disk->mutable_normal()->set_x(-1);
+  disk->set_radius(12);
+  colour(disk->mutable_radiance());
+  auto* sphere = scene.add_lights()->mutable_sphere();
+  sphere->mutable_centre()->set_y(-45);
+  sphere->set_radius(10);
+  colour(sphere->mutable_radiance());
+  auto* point = scene.add_lights()->mutable_sphere();
+  point->mutable_centre()->set_z(50);
+  colour(point->mutable_radiance());
+  scene.mutable_lights(scene.lights_size() - 1)->set_intensity(300);
+  auto* box = scene.add_lights()->mutable_box();
+  box->mutable_corner()->set_z(-60);
+  box->mutable_u()->set_x(20);
+  box->mutable_v()->set_y(20);
+  box->mutable_w()->set_z(15);
+  colour(box->mutable_radiance());
+  // Without PNG the lights are plain.
+  const std::string picture = test::png(16, 8, [](std::uint32_t i, std::uint32_t j) {
+    const bool spot = i == 11 && j == 2;
+    return spot ? test::Rgb8{255, 240, 200}
+                : test::Rgb8{static_cast<std::uint8_t>(9 * i), 60,
+                             static_cast<std::uint8_t>(20 * j)};
+  });
+  if (!picture.empty()) {
+    disk->mutable_texture()->set_picture(picture);
+    sphere->mutable_texture()->set_picture(picture);
+    auto* sky = scene.add_lights()->mutable_environment();
+    colour(sky->mutable_radiance());
+    sky->mutable_texture()->set_picture(picture);
+    scene.mutable_lights(scene.lights_size() - 1)->set_camera_locked(true);
+  }
+  for (const double g : {0.0, 0.6}) {
+    scene.mutable_phase()->set_g(g);
+    expect_same(lumpy_volume(40, 30, 25), scene, kMany);
   }
 }
 
