@@ -16,17 +16,17 @@ def test_a_duplicated_window_takes_the_picture_over_until_it_is_asked_back(stack
     person.has_scan(cranium, "Head")
     person.open_scan("Head")
     first = person.page
-    wait_for_samples(stack, first, 4)
+    wait_for_samples(stack, first, 1)
 
     # What "Duplicate" in a browser does: the new window begins with what the old one remembers.
     with first.context.expect_page() as opened:
         first.evaluate("window.open(location.href)")
     second = opened.value
-    wait_for_samples(stack, second, 4)
+    wait_for_samples(stack, second, 1)
     assert session_of(first) == session_of(second)
     expect(first.get_by_role("status")).to_contain_text("This picture goes on in another window.")
     drag(second, 200, 0)
-    wait_for_samples(stack, second, 8, input_seq=facts(second).input_seq + 1)
+    wait_for_samples(stack, second, 2, input_seq=facts(second).input_seq + 1)
     expect(first.locator(".viewer-status")).to_have_attribute("data-phase", "elsewhere")  # it does not take it back by itself
 
     first.get_by_role("button", name="Continue here").click()
@@ -34,7 +34,7 @@ def test_a_duplicated_window_takes_the_picture_over_until_it_is_asked_back(stack
     expect(first.get_by_role("button", name="Continue here")).to_have_count(0)
     expect(second.get_by_role("status")).to_contain_text("This picture goes on in another window.")
     drag(first, -100, 0)
-    wait_for_samples(stack, first, 4, input_seq=facts(first).input_seq + 1)
+    wait_for_samples(stack, first, 2, input_seq=facts(first).input_seq + 1)
 
 
 def session_of(page: Page) -> str:
