@@ -68,6 +68,9 @@ class CpuFrameRenderer final : public FrameRenderer {
                                   picture_ ? &picture_->prepared : nullptr,
                                   picture_ ? &picture_->scene : nullptr);
     if (!prepared) return tl::unexpected(prepared.error());
+    if (method_.walk == Walk::kExact && !use_exact_walk(*prepared, method_)) {
+      return fail(ErrorCode::kUnsupported, "the exact walk cannot render this scene", "estimator");
+    }
     try {
       const Float3 s = prepared->spacing;
       CpuFilm film(*pool_, canvas, guided_, std::max({s.x, s.y, s.z}));
@@ -166,8 +169,12 @@ class CpuFrameRenderer final : public FrameRenderer {
                             t.bounds.data(), LightArrays(s), seed_, first_sample_, method_);
     if (s.features.has(Feature::kGloss)) view.transfer.gloss = t.gloss.data();
     if (s.features.has(Feature::kEmission)) view.transfer.emission = t.emission.data();
+    const ExactTables& e = t.exact;
+    view.exact = exact_view_of(s, volume_->grid(), volume_->view().size, e.pieces.data(),
+                               e.piece_of.data(), e.skips.data());
     Guides* guides = picture_->film.guides();
-    const CpuKernel kernel = cpu_kernel(s.features.with(Feature::kGuides, guides != nullptr));
+    const CpuKernel kernel = cpu_kernel(s.features.with(Feature::kGuides, guides != nullptr),
+                                        use_exact_walk(s, method_));
     const Canvas size = s.canvas;
     const std::uint32_t tiles_x = (size.width + kWorkTile - 1) / kWorkTile;
     const std::uint32_t tiles_y = (size.height + kWorkTile - 1) / kWorkTile;
@@ -219,9 +226,6 @@ class CpuEngine final : public Engine {
                                                        Method method) override {
     auto mine = std::dynamic_pointer_cast<const CpuVolume>(std::move(volume));
     if (!mine) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
-    if (method.walk == Walk::kExact) {
-      return fail(ErrorCode::kUnsupported, "this engine has no exact walk", "estimator");
-    }
     return std::make_unique<CpuFrameRenderer>(pool_, std::move(mine), seed, first_sample, method);
   }
 

@@ -16,12 +16,12 @@ bool has_avx2() {
 
 }  // namespace
 
-CpuKernel cpu_kernel(Features features) {
+CpuKernel cpu_kernel(Features features, bool exact) {
   static const bool avx2 = has_avx2();
 #if defined(__x86_64__)
-  if (avx2) return cpu_kernel_avx2(features);
+  if (avx2) return cpu_kernel_avx2(features, exact);
 #endif
-  return cpu_kernel_baseline(features);
+  return cpu_kernel_baseline(features, exact);
 }
 
 DenoiseRow denoise_row() {

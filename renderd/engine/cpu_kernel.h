@@ -19,12 +19,13 @@ using CpuScene = SceneView<CpuVolumeView>;
 using CpuKernel = void (*)(const CpuScene&, const CpuTile&);
 
 /// The kernel compiled for a set of features and for this processor's instructions.
-CpuKernel cpu_kernel(Features features);
+/// `exact`: by the exact walk instead of tracking.
+CpuKernel cpu_kernel(Features features, bool exact);
 /// "AVX2" or "baseline", for reports.
 const char* cpu_instructions();
 
 /// The same sources compiled twice (cpu_kernel_avx2.cpp, cpu_kernel_baseline.cpp).
-CpuKernel cpu_kernel_baseline(Features features);
-CpuKernel cpu_kernel_avx2(Features features);
+CpuKernel cpu_kernel_baseline(Features features, bool exact);
+CpuKernel cpu_kernel_avx2(Features features, bool exact);
 
 }  // namespace diaphane::render

@@ -2,6 +2,6 @@
 
 namespace diaphane::render {
 
-CpuKernel cpu_kernel_baseline(Features features) { return variant(features); }
+CpuKernel cpu_kernel_baseline(Features features, bool exact) { return variant(features, exact); }
 
 }  // namespace diaphane::render

@@ -27,8 +27,6 @@ struct Brdf {
 /// Below it the peak of the lobe is beyond what fp32 directions resolve.
 inline constexpr float kLeastRoughness = 1e-3f;
 
-HOST_DEVICE float largest(Float3 a) { return larger(a.x, larger(a.y, a.z)); }
-
 HOST_DEVICE Float3 fresnel(Float3 at_normal, float cosine) {
   const float m = larger(1.0f - cosine, 0.0f);
   const float m2 = m * m;

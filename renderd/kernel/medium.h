@@ -1,5 +1,6 @@
 #pragma once
 
+#include "renderd/kernel/exact_walk.h"
 #include "renderd/kernel/views.h"
 #include "renderd/math/vector.h"
 
@@ -42,6 +43,20 @@ HOST_DEVICE ValueSpan LinearVolume::corner_range(Int3 cell) const {
     high = larger(high, larger(a, b));
   }
   return {static_cast<float>(low), static_cast<float>(high)};
+}
+
+HOST_DEVICE Corners LinearVolume::corners(const CellCrossing& c) const {
+  const std::int32_t x0 = larger(c.cell.x - 1, 0), x1 = smaller(c.cell.x, size.x - 1);
+  const std::int32_t y0 = larger(c.cell.y - 1, 0), y1 = smaller(c.cell.y, size.y - 1);
+  const std::int32_t z0 = larger(c.cell.z - 1, 0), z1 = smaller(c.cell.z, size.z - 1);
+  const std::int64_t row = size.x, slice = row * size.y;
+  const std::int16_t* v00 = voxels + row * y0 + slice * z0;
+  const std::int16_t* v10 = voxels + row * y1 + slice * z0;
+  const std::int16_t* v01 = voxels + row * y0 + slice * z1;
+  const std::int16_t* v11 = voxels + row * y1 + slice * z1;
+  const auto number = [](std::int16_t v) { return static_cast<float>(v); };
+  return {{number(v00[x0]), number(v00[x1]), number(v10[x0]), number(v10[x1]), number(v01[x0]),
+           number(v01[x1]), number(v11[x0]), number(v11[x1])}};
 }
 
 /// A place in the transfer function's tables: between `node` and `node + 1`.

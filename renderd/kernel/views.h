@@ -19,6 +19,9 @@ namespace diaphane::render {
 inline constexpr int kCellShift = 3;
 inline constexpr int kCellSize = 1 << kCellShift;
 
+struct Corners;       // exact_cell.h
+struct CellCrossing;  // exact_walk.h
+
 /// Voxel values from `low` to `high`.
 struct ValueSpan {
   float low, high;
@@ -35,6 +38,7 @@ struct LinearVolume {
   HOST_DEVICE float at(Float3 p) const;
   /// Smallest and largest of the eight corners of a cell between voxel centres (VoxelWalk).
   HOST_DEVICE ValueSpan corner_range(Int3 cell) const;
+  HOST_DEVICE Corners corners(const CellCrossing& crossing) const;
 };
 
 /// Extinction and colour by value, baked to tables of `count` >= 2 nodes and interpolated linearly.
@@ -70,6 +74,48 @@ struct GridView {
   const CellBounds* cells;  ///< x fastest
   Int3 size;                ///< in cells
   Box occupied;  ///< around all cells whose majorant is not 0; low == high when there are none
+};
+
+/// A part of the extinction function in which it is linear in the value: from `begin` to `end`,
+/// `extinction` (per mm) at `begin`.
+struct alignas(16) ExtinctionPiece {
+  float begin, extinction, slope, end;
+};
+
+/// What a collision of the exact walk is for: a ray to a light by one of the strategies of
+/// direct.h, or a path that goes on.
+inline constexpr int kOnwards = 4;
+inline constexpr int kHitKinds = 5;
+
+/// Edge of a brick in cells between voxel centres, a power of two.
+inline constexpr int kBrickShift = 2;
+inline constexpr int kBrickSize = 1 << kBrickShift;
+
+/// What the exact walk needs beside the voxels.
+struct ExactView {
+  const ExtinctionPiece* pieces;  ///< by rising value
+  /// For each voxel value from `first_value` on: the piece in which it begins.
+  const std::uint16_t* piece_of;
+  std::int32_t piece_count, first_value, last_value;
+  Int3 size;    ///< of the volume in voxels: one less than the cells along each axis
+  Int3 bricks;  ///< x fastest
+  std::int32_t brick_count;
+  /// For each of 8 octants (bit 0: the ray goes up x, ...) and each brick: 0 where something may
+  /// be, else so many bricks along each axis in the octant's direction, this one included, are
+  /// empty.
+  const std::uint8_t* skips;
+  /// Collisions of one camera ray, by what they are for: so many strata of its opacity.
+  std::int32_t strata[kHitKinds];
+
+  /// The index of the piece in which `value` lies.
+  HOST_DEVICE std::int32_t piece_at(float value) const {
+    const float v =
+        smaller(larger(value, static_cast<float>(first_value)), static_cast<float>(last_value));
+    std::int32_t piece = piece_of[static_cast<std::int32_t>(floorf(v)) - first_value];
+    while (piece + 1 < piece_count && pieces[piece + 1].begin <= v)
+      ++piece;  // pieces between two integers
+    return piece;
+  }
 };
 
 enum class LightShape : std::uint32_t { kRectangle, kDisk, kSphere };
@@ -168,6 +214,7 @@ struct SceneView {
   Float3 spacing;          ///< mm
   TransferView transfer;
   GridView grid;
+  ExactView exact;
   LightsView lights;
   CameraView camera;
   ClipView clip;

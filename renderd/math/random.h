@@ -54,6 +54,12 @@ class Random {
   HOST_DEVICE Random(std::uint64_t seed, std::uint32_t pixel, std::uint64_t sample)
       : key_(mix64(mix64(mix64(seed + kStep) + pixel) + sample)) {}
 
+  /// A stream of its own, number `which`, that does not depend on what is drawn from this one
+  /// after.
+  HOST_DEVICE Random fork(std::uint32_t which) const {
+    return Random(mix64(key_ ^ (std::uint64_t{which} + 1) * 0xd1342543de82ef95ULL));
+  }
+
   HOST_DEVICE std::uint64_t bits() {
     key_ += kStep;
     return mix64(key_);
@@ -79,6 +85,8 @@ class Random {
   }
 
  private:
+  HOST_DEVICE explicit Random(std::uint64_t key) : key_(key) {}
+
   static constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15ULL;
   std::uint64_t key_;
 };

@@ -85,6 +85,8 @@ HOST_DEVICE constexpr T larger(T a, T b) {
   return a > b ? a : b;
 }
 
+HOST_DEVICE float largest(Float3 a) { return larger(a.x, larger(a.y, a.z)); }
+
 /// Two unit vectors that make a right-handed orthonormal basis with the unit vector `n`, without a
 /// branch (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 HOST_DEVICE void basis_around(Float3 n, Float3& s, Float3& t) {

@@ -34,6 +34,41 @@ void row_ranges(const std::int16_t* row, std::int32_t size, std::span<ValueRange
   }
 }
 
+/// Cells 4b to 4b + 3 of brick b have the voxels 4b - 1 to 4b + 3 at their corners.
+std::vector<ValueRange> brick_ranges_of(std::span<const std::int16_t> voxels, Int3 size,
+                                        Int3 bricks) {
+  const auto voxels_of = [](std::int32_t brick, std::int32_t n, std::int32_t& first,
+                            std::int32_t& last) {
+    first = std::max(brick * kBrickSize - 1, 0);
+    last = std::min(brick * kBrickSize + kBrickSize - 1, n - 1);
+  };
+  std::vector<ValueRange> ranges(static_cast<std::size_t>(bricks.x) *
+                                     static_cast<std::size_t>(bricks.y) *
+                                     static_cast<std::size_t>(bricks.z),
+                                 kNothing);
+  std::size_t out = 0;
+  for (std::int32_t bz = 0; bz < bricks.z; ++bz) {
+    std::int32_t z0, z1;
+    voxels_of(bz, size.z, z0, z1);
+    for (std::int32_t by = 0; by < bricks.y; ++by, out += static_cast<std::size_t>(bricks.x)) {
+      std::int32_t y0, y1;
+      voxels_of(by, size.y, y0, y1);
+      for (std::int32_t z = z0; z <= z1; ++z) {
+        for (std::int32_t y = y0; y <= y1; ++y) {
+          const std::int16_t* row = voxels.data() + size.x * (y + std::int64_t{size.y} * z);
+          for (std::int32_t bx = 0; bx < bricks.x; ++bx) {
+            std::int32_t x0, x1;
+            voxels_of(bx, size.x, x0, x1);
+            ValueRange& range = ranges[out + static_cast<std::size_t>(bx)];
+            for (std::int32_t x = x0; x <= x1; ++x) include(range, {row[x], row[x]});
+          }
+        }
+      }
+    }
+  }
+  return ranges;
+}
+
 bool is_rotation(const std::array<double, 9>& d) {
   for (double value : d) {
     if (!std::isfinite(value)) return false;
@@ -103,6 +138,9 @@ ValueGrid make_value_grid(std::span<const std::int16_t> voxels, Int3 size) {
       }
     }
   }
+  const auto bricks_along = [](std::int32_t n) { return (n >> kBrickShift) + 1; };
+  grid.bricks = {bricks_along(size.x), bricks_along(size.y), bricks_along(size.z)};
+  grid.brick_ranges = brick_ranges_of(voxels, size, grid.bricks);
   grid.whole = kNothing;
   for (ValueRange range : grid.ranges) include(grid.whole, range);
   return grid;

@@ -19,9 +19,11 @@ struct ValueRange {
 /// Made once a volume; a transfer-function edit needs nothing else of the voxels. An engine that
 /// keeps the ranges on its device, and bounds the cells there, leaves `ranges` empty.
 struct ValueGrid {
-  Int3 cells{};                    ///< macrocells along x, y, z
-  std::vector<ValueRange> ranges;  ///< x fastest
-  ValueRange whole{};              ///< of all voxels
+  Int3 cells{};                          ///< macrocells along x, y, z
+  std::vector<ValueRange> ranges;        ///< x fastest
+  ValueRange whole{};                    ///< of all voxels
+  Int3 bricks{};                         ///< of cells between voxel centres (ExactView)
+  std::vector<ValueRange> brick_ranges;  ///< of the voxels at their cells' corners; x fastest
 };
 
 /// A volume is refused (kInvalid, the field named) when an axis is empty or longer than

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "renderd/kernel/direct.h"
 #include "renderd/scene/camera.h"
 #include "renderd/scene/clip_slices.h"
 #include "renderd/scene/frame.h"
@@ -53,6 +54,34 @@ Features features_of(const diaphane::v1::Scene& scene, const PreparedScene& s, F
 }
 
 }  // namespace
+
+std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene) {
+  // Measured on the cranium scene for the least error in a given time: the sky's light varies more
+  // with the direction than the lamp's with the point on it.
+  const auto kind = [](Strategy strategy) { return static_cast<std::size_t>(strategy); };
+  const bool mixes =
+      scene.features.has(Feature::kAnisotropicPhase) || scene.features.has(Feature::kSurfaces);
+  const Float3 e = scene.environment;
+  const bool sky = e.x > 0 || e.y > 0 || e.z > 0, maps = !scene.maps.empty(),
+             lamps = !scene.lights.empty();
+  std::array<std::int32_t, kHitKinds> strata{};
+  if (lamps) strata[kind(Strategy::kAreaLight)] = 5;
+  if (lamps && mixes) strata[kind(Strategy::kAreaLightByScatter)] = 3;
+  if (maps) strata[kind(Strategy::kEnvironmentMap)] = 8;
+  if (sky || (maps && mixes)) strata[kind(Strategy::kEnvironment)] = maps ? 5 : 11;
+  std::int32_t sum = 0;
+  for (std::int32_t n : strata) sum += n;
+  // One kind alone gets what two would have; matter that glows needs collisions even without
+  // lights.
+  if (lamps && sum == 5) strata[kind(Strategy::kAreaLight)] = 12;
+  if (sum == 0) strata[kind(Strategy::kEnvironment)] = 8;
+  if (scene.features.has(Feature::kBounces)) strata[kOnwards] = 4;
+  return strata;
+}
+
+bool use_exact_walk(const PreparedScene& scene, Method method) {
+  return method.walk != Walk::kTracking && !scene.transfer->exact.pieces.empty();
+}
 
 Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas canvas,
                                     const volume::Header& header, const ValueGrid& grid,

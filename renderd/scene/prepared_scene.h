@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -51,6 +52,30 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
                                     const PreparedScene* before = nullptr,
                                     const diaphane::v1::Scene* before_scene = nullptr);
 
+/// How many collisions of a camera ray look for light by each strategy (ExactView::strata).
+std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene);
+
+/// Whether the exact walk renders the scene, rather than tracking.
+bool use_exact_walk(const PreparedScene& scene, Method method);
+
+/// `piece_of` and so on: an executor's copies of ExactTables.
+inline ExactView exact_view_of(const PreparedScene& scene, const ValueGrid& grid, Int3 size,
+                               const ExtinctionPiece* pieces, const std::uint16_t* piece_of,
+                               const std::uint8_t* skips) {
+  const ExactTables& t = scene.transfer->exact;
+  const auto strata = strata_for(scene);
+  return {.pieces = pieces,
+          .piece_of = piece_of,
+          .piece_count = static_cast<std::int32_t>(t.pieces.size()),
+          .first_value = grid.whole.minimum,
+          .last_value = grid.whole.maximum,
+          .size = size,
+          .bricks = grid.bricks,
+          .brick_count = static_cast<std::int32_t>(grid.brick_ranges.size()),
+          .skips = skips,
+          .strata = {strata[0], strata[1], strata[2], strata[3], strata[4]}};
+}
+
 /// An executor's copies of a scene's lights; all but the first may be null where no light has a
 /// texture.
 struct LightArrays {
@@ -84,7 +109,7 @@ inline LightsView view_of(const PreparedScene& scene, const LightArrays& lights)
 }
 
 /// The view of a prepared scene over an executor's copies of its arrays; where it has tables of
-/// gloss and emission the caller sets their pointers in the view.
+/// gloss and emission the caller sets their pointers in the view, and the exact walk's too.
 template <typename Volume>
 SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, const float* extinction,
                           const Float4* colour, const CellBounds* bounds, const LightArrays& lights,
@@ -96,6 +121,7 @@ SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, cons
                            .spacing = s,
                            .transfer = {extinction, colour, t.scale, t.offset, t.margin, t.count},
                            .grid = {bounds, t.cells, scene.matter ? t.occupied : Box{}},
+                           .exact = {},
                            .lights = view_of(scene, lights),
                            .camera = scene.camera,
                            .clip = scene.clip,

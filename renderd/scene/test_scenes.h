@@ -130,6 +130,8 @@ class Prepared {
                 t.extinction.data(), t.colour.data(), t.bounds.data(), LightArrays(scene_), seed);
     if (!t.gloss.empty()) view.transfer.gloss = t.gloss.data();
     if (!t.emission.empty()) view.transfer.emission = t.emission.data();
+    view.exact = exact_view_of(scene_, grid_, size_of(volume_.header), t.exact.pieces.data(),
+                               t.exact.piece_of.data(), t.exact.skips.data());
     return view;
   }
 

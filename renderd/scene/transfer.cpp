@@ -229,6 +229,7 @@ PreparedTransfer prepare_transfer(const diaphane::v1::TransferFunction& function
   const TableExtrema extrema(out.extinction);
   bound_cells(grid, extrema, out);
   out.steep = is_steep(out, spacing);
+  out.exact = make_exact_tables(out.extinction.data(), out.count, k, grid);
   extrema.append_maxima(out.extinction);
   out.occupied = occupied_box(out, size);
   return out;

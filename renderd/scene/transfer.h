@@ -4,6 +4,7 @@
 
 #include "api/proto/scene.pb.h"
 #include "renderd/kernel/views.h"
+#include "renderd/scene/exact_tables.h"
 #include "renderd/scene/grid.h"
 
 namespace diaphane::render {
@@ -22,6 +23,7 @@ struct PreparedTransfer {
   Int3 cells{};                    ///< GridView::size
   std::vector<CellBounds> bounds;  ///< GridView::cells
   Box occupied{};                  ///< GridView::occupied
+  ExactTables exact;               ///< for the exact walk; no pieces where there would be too many
 };
 
 /// What the transfer function is at one voxel value, exactly: the overlap rule of thesis 3.1.1.

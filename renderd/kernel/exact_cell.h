@@ -1,0 +1,218 @@
+#pragma once
+
+#include "renderd/kernel/views.h"
+#include "renderd/math/vector.h"
+
+// Extinction and optical depth in one cell between voxel centres, exactly. Along a ray through the
+// cell the interpolated value is a cubic, so wherever the extinction is linear in the value two
+// Gauss points integrate it without error. A cell whose values span several linear pieces of the
+// extinction function is split where the cubic crosses their borders; a border misplaced by d costs
+// d^2, since the function is continuous there.
+
+namespace diaphane::render {
+
+/// Voxel values at the corners of a cell; bit 0 of the index is x, bit 1 y, bit 2 z.
+struct Corners {
+  float v[8];
+
+  /// `p` in [0, 1]^3: where in the cell.
+  HOST_DEVICE float at(Float3 p) const {
+    const float v00 = v[0] + p.x * (v[1] - v[0]), v10 = v[2] + p.x * (v[3] - v[2]);
+    const float v01 = v[4] + p.x * (v[5] - v[4]), v11 = v[6] + p.x * (v[7] - v[6]);
+    const float v0 = v00 + p.y * (v10 - v00), v1 = v01 + p.y * (v11 - v01);
+    return v0 + p.z * (v1 - v0);
+  }
+  HOST_DEVICE ValueSpan range() const {
+    ValueSpan r{v[0], v[0]};
+    for (int i = 1; i < 8; ++i) {
+      r.low = smaller(r.low, v[i]);
+      r.high = larger(r.high, v[i]);
+    }
+    return r;
+  }
+};
+
+/// A ray's way through a cell: `entry` is where in the cell it is at `t0`, `slope` how that changes
+/// per mm.
+struct Crossing {
+  Float3 entry, slope;
+  float t0, t1;  ///< mm
+
+  HOST_DEVICE Float3 at(float t) const { return entry + slope * (t - t0); }
+};
+
+/// The extinction where it is linear in the value.
+HOST_DEVICE float extinction_in(const ExtinctionPiece& piece, float value) {
+  return larger(piece.extinction + piece.slope * (value - piece.begin), 0.0f);
+}
+
+/// Optical depth from ta to tb: exact while every value between lies in the piece.
+HOST_DEVICE float depth_between(const Corners& corners, const Crossing& way,
+                                const ExtinctionPiece& piece, float ta, float tb) {
+  constexpr float kNode = 0.21132486540518713f;  // Gauss, two points on [0, 1]
+  const float length = tb - ta;
+  const float a = extinction_in(piece, corners.at(way.at(ta + kNode * length)));
+  const float b = extinction_in(piece, corners.at(way.at(tb - kNode * length)));
+  return 0.5f * length * (a + b);
+}
+
+/// Where in [ta, tb] the optical depth from ta reaches `target` <= depth_between(...): the inverse
+/// of a quartic, by Newton's steps kept in a bracket.
+HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& way,
+                               const ExtinctionPiece& piece, float ta, float tb, float target) {
+  const float length = tb - ta;
+  const float e0 = extinction_in(piece, corners.at(way.at(ta)));
+  const float e1 = extinction_in(piece, corners.at(way.at(ta + length * (1.0f / 3))));
+  const float e2 = extinction_in(piece, corners.at(way.at(tb - length * (1.0f / 3))));
+  const float e3 = extinction_in(piece, corners.at(way.at(tb)));
+  // The cubic through the four, in powers of s in [0, 1].
+  const float c1 = -5.5f * e0 + 9.0f * e1 - 4.5f * e2 + e3;
+  const float c2 = 9.0f * e0 - 22.5f * e1 + 18.0f * e2 - 4.5f * e3;
+  const float c3 = -4.5f * e0 + 13.5f * e1 - 13.5f * e2 + 4.5f * e3;
+  const float whole = length * (e0 + c1 * 0.5f + c2 * (1.0f / 3) + c3 * 0.25f);
+  float low = 0.0f, high = 1.0f;
+  float s = whole > 0.0f ? smaller(target / whole, 1.0f) : 1.0f;
+  for (int i = 0; i < 8; ++i) {
+    const float depth =
+        length * s * (e0 + s * (c1 * 0.5f + s * (c2 * (1.0f / 3) + s * (c3 * 0.25f))));
+    const float excess = depth - target;
+    // Before the bracket moves: a place that is right would become its border, and be left.
+    if (fabsf(excess) <= 1e-6f * target) break;
+    if (excess > 0.0f) {
+      high = s;
+    } else {
+      low = s;
+    }
+    const float slope = length * (e0 + s * (c1 + s * (c2 + s * c3)));
+    const float next = s - excess / slope;
+    // NaN (slope 0) fails the comparison too.
+    s = next > low && next < high ? next : 0.5f * (low + high);
+  }
+  return ta + s * length;
+}
+
+/// The value along a crossing as a cubic in s = (t - t0) / (t1 - t0).
+struct ValueCubic {
+  float c0, c1, c2, c3;
+
+  HOST_DEVICE ValueCubic(const Corners& c, const Crossing& way) {
+    const float length = way.t1 - way.t0;
+    const Float3 p = way.entry, d = way.slope * length;
+    const float* v = c.v;
+    const float bx = v[1] - v[0], by = v[2] - v[0], bz = v[4] - v[0];
+    const float cxy = v[3] - v[1] - by, czx = v[5] - v[4] - bx, cyz = v[6] - v[2] - bz;
+    const float e = (v[7] - v[6]) - (v[5] - v[4]) - (v[3] - v[2]) + (v[1] - v[0]);
+    c0 = c.at(p);
+    // Derivatives at the entry.
+    const float gx = bx + cxy * p.y + czx * p.z + e * p.y * p.z;
+    const float gy = by + cxy * p.x + cyz * p.z + e * p.x * p.z;
+    const float gz = bz + czx * p.x + cyz * p.y + e * p.x * p.y;
+    c1 = gx * d.x + gy * d.y + gz * d.z;
+    c2 = (cxy + e * p.z) * d.x * d.y + (cyz + e * p.x) * d.y * d.z + (czx + e * p.y) * d.x * d.z;
+    c3 = e * d.x * d.y * d.z;
+  }
+  HOST_DEVICE float at(float s) const { return c0 + s * (c1 + s * (c2 + s * c3)); }
+  HOST_DEVICE float derivative(float s) const { return c1 + s * (2.0f * c2 + s * 3.0f * c3); }
+
+  /// Where it turns, in rising order within (0, 1); 1 where it does not.
+  HOST_DEVICE void turns(float& first, float& second) const {
+    first = second = 1.0f;
+    const float a = 3.0f * c3, b = c2, c = c1;  // a s^2 + 2 b s + c
+    const float discriminant = b * b - a * c;
+    if (!(discriminant > 0.0f)) return;
+    const float q = -(b + (b < 0.0f ? -sqrtf(discriminant) : sqrtf(discriminant)));
+    float r = q / a, s = c / q;
+    if (!(r > 0.0f && r < 1.0f)) r = 1.0f;
+    if (!(s > 0.0f && s < 1.0f)) s = 1.0f;
+    first = smaller(r, s);
+    second = larger(r, s);
+  }
+
+  /// Where it passes `value` between a and b, where it is monotone and passes it.
+  HOST_DEVICE float meets(float value, float a, float b) const {
+    const bool rising = at(b) > at(a);
+    float s = 0.5f * (a + b);
+    for (int i = 0; i < 12; ++i) {
+      const float excess = at(s) - value;
+      if (excess == 0.0f) break;
+      if ((excess > 0.0f) == rising) {
+        b = s;
+      } else {
+        a = s;
+      }
+      const float next = s - excess / derivative(s);
+      const float last = s;
+      s = next > a && next < b ? next : 0.5f * (a + b);
+      if (fabsf(s - last) < 1e-6f) break;
+    }
+    return s;
+  }
+};
+
+/// Calls `visit(piece, ta, tb)` for each part of the crossing in which the extinction is linear in
+/// the value, in order, until it returns false; false then.
+template <typename Visit>
+HOST_DEVICE bool for_each_part(const Corners& corners, const Crossing& way, const ExactView& exact,
+                               Visit&& visit) {
+  const ValueCubic cubic(corners, way);
+  const float length = way.t1 - way.t0;
+  float turns[4] = {0.0f, 1.0f, 1.0f, 1.0f};
+  cubic.turns(turns[1], turns[2]);
+  float begin = 0.0f;
+  for (int leg = 0; leg < 3; ++leg) {
+    const float end = turns[leg + 1];
+    if (!(end > begin)) continue;
+    const float from = cubic.at(begin), to = cubic.at(end);
+    const bool rising = to > from;
+    std::int32_t piece = exact.piece_at(from);
+    if (!rising && piece > 0 && from <= exact.pieces[piece].begin) --piece;
+    while (true) {
+      const ExtinctionPiece p = exact.pieces[piece];
+      const float border = rising ? p.end : p.begin;
+      const bool last =
+          rising ? !(border < to) || piece + 1 >= exact.piece_count : !(border > to) || piece == 0;
+      const float next = last ? end : cubic.meets(border, begin, end);
+      if (next > begin && !visit(p, way.t0 + begin * length, way.t0 + next * length)) return false;
+      begin = larger(begin, next);
+      if (last) break;
+      piece += rising ? 1 : -1;
+    }
+  }
+  return true;
+}
+
+/// Optical depth of the whole crossing.
+HOST_DEVICE float depth_of_cell(const Corners& corners, const Crossing& way,
+                                const ExactView& exact) {
+  if (exact.piece_count == 1) return depth_between(corners, way, exact.pieces[0], way.t0, way.t1);
+  const ValueSpan range = corners.range();
+  const ExtinctionPiece piece = exact.pieces[exact.piece_at(range.low)];
+  if (range.high <= piece.end) {
+    if (!(piece.extinction > 0.0f) && piece.slope == 0.0f) return 0.0f;
+    return depth_between(corners, way, piece, way.t0, way.t1);
+  }
+  float depth = 0.0f;
+  for_each_part(corners, way, exact, [&](const ExtinctionPiece& p, float ta, float tb) {
+    depth += depth_between(corners, way, p, ta, tb);
+    return true;
+  });
+  return depth;
+}
+
+/// Where the optical depth from way.t0 reaches `target`, which is at most that of the cell.
+HOST_DEVICE float place_in_cell(const Corners& corners, const Crossing& way, const ExactView& exact,
+                                float target) {
+  float place = way.t1;
+  for_each_part(corners, way, exact, [&](const ExtinctionPiece& p, float ta, float tb) {
+    const float depth = depth_between(corners, way, p, ta, tb);
+    if (depth < target) {
+      target -= depth;
+      return true;
+    }
+    place = invert_depth(corners, way, p, ta, tb, target);
+    return false;
+  });
+  return place;
+}
+
+}  // namespace diaphane::render

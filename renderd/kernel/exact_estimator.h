@@ -1,0 +1,131 @@
+#pragma once
+
+#include "renderd/kernel/exact.h"
+
+namespace diaphane::render {
+
+/// One sample of one pixel: where its camera ray goes, and what it draws from.
+template <Features F, typename Volume>
+struct CameraSample {
+  CameraRay camera;
+  Sight sight;
+  Points points;
+  Random random;
+
+  HOST_DEVICE CameraSample(const SceneView<Volume>& scene, std::uint32_t x, std::uint32_t y,
+                           std::uint64_t sample)
+      : points(scene.stream, x + scene.width * y, sample),
+        random(scene.seed, x + scene.width * y, scene.first_sample + sample) {
+    const auto pair = [&](Points::Use use) {
+      return scene.independent_points ? random.two() : points.pair(use);
+    };
+    const Random::Pair jitter = pair(Points::kPixel);
+    Random::Pair lens{0.5f, 0.5f};
+    if constexpr (F.has(Feature::kLens)) lens = pair(Points::kLens);
+    camera = camera_ray<F>(scene, static_cast<float>(x) + jitter.a,
+                           static_cast<float>(y) + jitter.b, lens);
+    sight = sight_along<F>(scene, camera);
+  }
+};
+
+/// What a hit asks for: its own contribution, and a ray to a light, whose transmittance times
+/// `weight` is the other part.
+struct HitTask {
+  Float3 radiance;  ///< what it gives without that ray
+  Float3 weight;
+  Ray ray;
+  Span span;
+  float ending;  ///< for TransmittanceWalk
+  bool lit;
+};
+
+/// For stratum `stratum` of the hits of `kind`. `random` is the sample's own; a stratum draws from
+/// a stream of its own, so that the order in which the strata are taken changes nothing.
+template <Features F, typename Volume>
+HOST_DEVICE HitTask task_of(const SceneView<Volume>& scene, const CameraRay& camera,
+                            const Points& points, const Random& random, int kind,
+                            std::int32_t stratum, Hit hit) {
+  Random own = random.fork(static_cast<std::uint32_t>(kind * kMostHits + stratum));
+  const Random::Pair chance = own.unit_and_exponential();
+  const Float3 place = camera.ray.at(hit.distance);
+  const Scatter<F> scatter = scatter_at<F>(scene, place, hit.value, camera.direction, chance.a);
+  const std::int32_t count = scene.exact.strata[kind];
+  const float share = 1.0f / static_cast<float>(count);
+  const auto pair = [&](Points::Use use) {
+    if (scene.independent_points) return own.two();
+    return points.pair(use, points.index() * static_cast<std::uint32_t>(count) +
+                                static_cast<std::uint32_t>(stratum));
+  };
+  HitTask task{};
+  if constexpr (F.has(Feature::kBounces)) {
+    if (kind == kOnwards) {
+      task.radiance = path_onwards<F>(scene, place, scatter, own) * share;
+      return task;
+    }
+  }
+  if constexpr (F.has(Feature::kEmission)) {
+    std::int32_t hits = 0;
+    for (int k = 0; k < kOnwards; ++k) hits += scene.exact.strata[k];
+    task.radiance = emission_at(scene.transfer, hit.value) * (1.0f / static_cast<float>(hits));
+  }
+  const Strategy strategy = static_cast<Strategy>(kind);
+  const LightRay light = light_ray<F>(scene, place, scatter, strategy, pair(points_of(strategy)));
+  task.weight = light.weight * share;
+  task.lit = light.lit;
+  task.ray = {place, light.direction * scene.inverse_spacing};
+  task.span =
+      clip_span<F>(scene, task.ray, clip(task.ray, scene.grid.occupied, Span{0.0f, light.distance}),
+                   RayKind::kLight);
+  task.ending = chance.b;
+  return task;
+}
+
+/// The camera ray's walk of one sample: FirstWalk and its hits.
+template <Features F, typename Volume, typename Store>
+HOST_DEVICE FirstWalk walk_camera_ray(const SceneView<Volume>& scene,
+                                      const CameraSample<F, Volume>& sample, Store&& store) {
+  Random own = sample.random.fork(0xffffffu);
+  const auto offset = [&](int kind) {
+    return scene.independent_points
+               ? own.one()
+               : sample.points.pair(Points::kDepth + static_cast<std::uint32_t>(kind)).a;
+  };
+  const Float3 b = sample.sight.behind;
+  const bool behind = b.x > 0.0f || b.y > 0.0f || b.z > 0.0f;
+  return find_hits<F>(sample.camera.ray, sample.sight.span, scene.volume, scene.exact, offset,
+                      own.exponential(), behind, store);
+}
+
+/// One unbiased estimate of the radiance through pixel (x, y) by the exact walk: the first
+/// collision and its light exactly, the path from there on (Feature::kBounces) by tracking.
+template <Features F, typename Volume>
+HOST_DEVICE SampleOf<F> exact_estimate(const SceneView<Volume>& scene, std::uint32_t x,
+                                       std::uint32_t y, std::uint64_t number) {
+  const CameraSample<F, Volume> sample(scene, x, y, number);
+  SampleOf<F> result{};
+  result.radiance = sample.sight.behind;
+  result.met_matter = result.shows_slice = sample.sight.slice;
+  if constexpr (F.has(Feature::kGuides)) {
+    if (number < kGuidedSamples) {
+      result.guides = guides_along(scene, sample.camera.ray, sample.sight.span);
+    }
+  }
+  if (!(sample.sight.span.begin < sample.sight.span.end)) return result;
+  Float3 radiance{0.0f, 0.0f, 0.0f};
+  const FirstWalk first =
+      walk_camera_ray<F>(scene, sample, [&](int kind, std::int32_t stratum, Hit hit) {
+        const HitTask task =
+            task_of<F>(scene, sample.camera, sample.points, sample.random, kind, stratum, hit);
+        radiance += task.radiance;
+        if (!task.lit) return;
+        TransmittanceWalk walk(task.ray, task.span, scene.exact, task.ending);
+        while (walk.step(scene.volume, scene.exact)) {
+        }
+        radiance += task.weight * walk.transmittance();
+      });
+  result.met_matter |= first.met_matter;
+  result.radiance = radiance + sample.sight.behind * first.transmittance;
+  return result;
+}
+
+}  // namespace diaphane::render

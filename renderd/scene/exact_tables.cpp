@@ -1,0 +1,135 @@
+#include "renderd/scene/exact_tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace diaphane::render {
+namespace {
+
+constexpr std::size_t kMostPieces = 65535;  // they are counted in 16 bits
+
+/// Slopes of all lines from a node that pass another within its tolerance.
+struct Cone {
+  double low = -std::numeric_limits<double>::infinity(),
+         high = std::numeric_limits<double>::infinity();
+
+  bool holds(double slope) const { return slope >= low && slope <= high; }
+  void narrow(double a, double b) {
+    low = std::max(low, a);
+    high = std::min(high, b);
+  }
+};
+
+std::vector<std::int32_t> clear_ranges(const std::vector<ExtinctionPiece>& pieces,
+                                       bool last_is_not_zero, ValueRange whole) {
+  std::vector<std::int32_t> until(static_cast<std::size_t>(whole.maximum - whole.minimum + 1));
+  std::size_t p = pieces.size();
+  const ExtinctionPiece* nearest = nullptr;  // the first from this value on that is not all 0
+  for (std::int32_t value = whole.maximum; value >= whole.minimum; --value) {
+    const auto v = static_cast<float>(value);
+    for (; p > 0 && pieces[p - 1].end > v; --p) {
+      if (pieces[p - 1].extinction > 0 || pieces[p - 1].slope != 0) nearest = &pieces[p - 1];
+    }
+    std::int32_t clear = last_is_not_zero && value == whole.maximum ? value - 1 : whole.maximum;
+    if (nearest != nullptr && nearest->begin > v) {
+      clear = static_cast<std::int32_t>(std::floor(nearest->begin));
+    } else if (nearest != nullptr) {
+      clear = nearest->begin == v && nearest->extinction == 0 ? value : value - 1;
+    }
+    until[static_cast<std::size_t>(value - whole.minimum)] = clear;
+  }
+  return until;
+}
+
+}  // namespace
+
+std::vector<ExtinctionPiece> join_pieces(const float* extinction, std::int32_t count, double scale,
+                                         double first) {
+  // Relative to the larger end: beside a dense place a thin one keeps its own precision, and what
+  // is 0 stays 0.
+  constexpr double kTolerance = 4e-7;
+  const auto value_of = [&](std::int32_t node) { return first + node / scale; };
+  std::vector<ExtinctionPiece> pieces;
+  std::int32_t begin = 0;
+  while (begin + 1 < count) {
+    Cone cone;
+    std::int32_t end = begin + 1;
+    const double start = extinction[begin];
+    for (std::int32_t node = begin + 1; node < count; ++node) {
+      const double run = value_of(node) - value_of(begin), here = extinction[node];
+      if (!cone.holds((here - start) / run)) break;
+      end = node;
+      // A node must itself be near the line, relative to itself: the line may not lift it off 0.
+      const double most = kTolerance * std::abs(here);
+      cone.narrow((here - most - start) / run, (here + most - start) / run);
+    }
+    const double run = value_of(end) - value_of(begin);
+    const double slope = (double{extinction[end]} - start) / run;
+    pieces.push_back({static_cast<float>(value_of(begin)), extinction[begin],
+                      static_cast<float>(slope), static_cast<float>(value_of(end))});
+    begin = end;
+  }
+  return pieces;
+}
+
+std::vector<std::uint8_t> make_skips(const std::vector<std::uint8_t>& occupied, Int3 bricks) {
+  const auto [nx, ny, nz] = bricks;
+  const std::size_t count = occupied.size();
+  std::vector<std::uint8_t> skips(8 * count);
+  for (int octant = 0; octant < 8; ++octant) {
+    std::uint8_t* skip = skips.data() + count * static_cast<std::size_t>(octant);
+    const auto towards = [octant](int bit) { return (octant >> bit & 1) != 0 ? 1 : -1; };
+    const int sx = towards(0), sy = towards(1), sz = towards(2);
+    // A cube of n bricks is empty when its first is and the seven cubes of n - 1 beside it are;
+    // beyond the volume all is empty.
+    const auto at = [&](std::int32_t x, std::int32_t y, std::int32_t z) -> int {
+      if (x < 0 || y < 0 || z < 0 || x >= nx || y >= ny || z >= nz) return 254;
+      return skip[x + nx * (y + std::int64_t{ny} * z)];
+    };
+    for (std::int32_t k = 0; k < nz; ++k) {
+      const std::int32_t z = sz > 0 ? nz - 1 - k : k;
+      for (std::int32_t j = 0; j < ny; ++j) {
+        const std::int32_t y = sy > 0 ? ny - 1 - j : j;
+        for (std::int32_t i = 0; i < nx; ++i) {
+          const std::int32_t x = sx > 0 ? nx - 1 - i : i;
+          const std::int64_t brick = x + nx * (y + std::int64_t{ny} * z);
+          if (occupied[static_cast<std::size_t>(brick)] != 0) continue;
+          const int least =
+              std::min({at(x + sx, y, z), at(x, y + sy, z), at(x, y, z + sz), at(x + sx, y + sy, z),
+                        at(x + sx, y, z + sz), at(x, y + sy, z + sz), at(x + sx, y + sy, z + sz)});
+          skip[brick] = static_cast<std::uint8_t>(std::min(least + 1, 255));
+        }
+      }
+    }
+  }
+  return skips;
+}
+
+ExactTables make_exact_tables(const float* extinction, std::int32_t count, double scale,
+                              const ValueGrid& grid) {
+  ExactTables out;
+  out.first_value = grid.whole.minimum;
+  out.pieces = join_pieces(extinction, count, scale, grid.whole.minimum);
+  if (out.pieces.size() > kMostPieces) return ExactTables{};
+  const std::int32_t values = grid.whole.maximum - grid.whole.minimum + 1;
+  out.piece_of.resize(static_cast<std::size_t>(values));
+  std::size_t piece = 0;
+  for (std::int32_t i = 0; i < values; ++i) {
+    const auto value = static_cast<float>(grid.whole.minimum + i);
+    while (piece + 1 < out.pieces.size() && out.pieces[piece + 1].begin <= value) ++piece;
+    out.piece_of[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>(piece);
+  }
+  out.clear_until = clear_ranges(out.pieces, extinction[count - 1] > 0, grid.whole);
+  std::vector<std::uint8_t> occupied(grid.brick_ranges.size());
+  for (std::size_t b = 0; b < occupied.size(); ++b) {
+    const ValueRange range = grid.brick_ranges[b];
+    occupied[b] = range.maximum >
+                  out.clear_until[static_cast<std::size_t>(range.minimum - grid.whole.minimum)];
+    out.occupied += occupied[b];
+  }
+  out.skips = make_skips(occupied, grid.bricks);
+  return out;
+}
+
+}  // namespace diaphane::render
