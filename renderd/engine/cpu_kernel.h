@@ -20,7 +20,7 @@ using CpuKernel = void (*)(const CpuScene&, const CpuTile&);
 
 /// The kernel compiled for a set of features and for this processor's instructions.
 /// `exact`: by the exact walk instead of tracking.
-CpuKernel cpu_kernel(Features features, bool exact);
+CpuKernel cpu_kernel(Features features, bool exact = false);
 /// "AVX2" or "baseline", for reports.
 const char* cpu_instructions();
 
