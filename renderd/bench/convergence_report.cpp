@@ -70,7 +70,8 @@ Json json_of(const ReportHead& head, const Curve& curve) {
   Json json{{"name", name_of(curve.method)},
             {"walk", word_of(curve.method.walk)},
             {"points", points_of(curve.method)},
-            {"mis", word_of(curve.method.mis)}};
+            {"mis", word_of(curve.method.mis)},
+            {"roulette", curve.method.roulette}};
   if (curve.left_out) {
     json["left_out"] = *curve.left_out;
     return json;
@@ -118,6 +119,7 @@ std::string name_of(Method method) {
   if (method.mis != Mis::kBoth) {
     name += method.mis == Mis::kLight ? ", light samples" : ", scatter samples";
   }
+  if (!method.roulette) name += ", no roulette";
   return name;
 }
 

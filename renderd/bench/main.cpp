@@ -11,6 +11,7 @@
 #include "renderd/bench/convergence.h"
 #include "renderd/bench/convergence_report.h"
 #include "renderd/bench/made_volume.h"
+#include "renderd/bench/stability.h"
 #include "renderd/scene/presets.h"
 
 namespace {
@@ -26,11 +27,12 @@ struct Options {
   std::string volume = "made", scene, engine = "cpu", size = "512x512";
   unsigned threads = 0;
   std::vector<std::string> walks{"tracking"}, points{"low-discrepancy", "independent"};
-  std::vector<std::string> mis{"both"};
+  std::vector<std::string> mis{"both"}, roulette{"on"};
   std::string json, csv;
   bool quiet = false;
   bench::ConvergenceWish wish;
   bench::ReportHead head;
+  bench::StabilityWish stability;
 };
 
 int complain(const diaphane::Error& error) {
@@ -70,13 +72,15 @@ std::vector<render::Method> methods_of(const Options& options) {
   for (const std::string& walk : options.walks) {
     for (const std::string& points : options.points) {
       for (const std::string& mis : options.mis) {
-        methods.push_back({walk == "exact"      ? render::Walk::kExact
-                           : walk == "tracking" ? render::Walk::kTracking
-                                                : render::Walk::kAuto,
-                           points == "low-discrepancy",
-                           mis == "light"     ? render::Mis::kLight
-                           : mis == "scatter" ? render::Mis::kScatter
-                                              : render::Mis::kBoth});
+        for (const std::string& roulette : options.roulette)
+          methods.push_back({walk == "exact"      ? render::Walk::kExact
+                             : walk == "tracking" ? render::Walk::kTracking
+                                                  : render::Walk::kAuto,
+                             points == "low-discrepancy",
+                             mis == "light"     ? render::Mis::kLight
+                             : mis == "scatter" ? render::Mis::kScatter
+                                                : render::Mis::kBoth,
+                             roulette == "on"});
       }
     }
   }
@@ -98,10 +102,14 @@ bool written(const std::string& path, const std::string& text) {
   return static_cast<bool>(file);
 }
 
-Result<bench::Convergence> converge(Options& options) {
-  auto engine = render::make_engine(
+Result<std::unique_ptr<render::Engine>> engine_of(const Options& options) {
+  return render::make_engine(
       options.engine == "cuda" ? render::EngineChoice::kCuda : render::EngineChoice::kCpu,
       options.threads);
+}
+
+Result<bench::Convergence> converge(Options& options) {
+  auto engine = engine_of(options);
   if (!engine) return tl::unexpected(engine.error());
   auto volume = volume_of(options.volume);
   if (!volume) return tl::unexpected(volume.error());
@@ -131,14 +139,50 @@ int run(Options& options) {
   return all ? 0 : kFailed;
 }
 
-void add_convergence(CLI::App& app, Options& o) {
+/// 1: a case is wrong.
+int run_stability(Options& options) {
+  auto engine = engine_of(options);
+  if (!engine) return complain(engine.error());
+  const render::EngineInfo info = (*engine)->info();
+  std::printf("%-52s %-5s %9s %6s %9s %-9s %s\n", "case", "", "samples", "bad", "deviation", "",
+              "verdict");
+  bool all = true;
+  options.stability.each = [&](const bench::StabilityRow& row) {
+    std::cout << bench::stability_text(row, info.engine) << std::flush;
+    all = all && row.passed;
+  };
+  const auto rows = bench::measure_stability(**engine, options.stability);
+  std::cout << (all ? "all as they should be" : "some are wrong") << ": " << rows.size()
+            << " cases on " << info.device << '\n';
+  if (!written(options.json, bench::stability_json(rows, info)) ||
+      !written(options.csv, bench::stability_csv(rows, info.engine))) {
+    return kFailed;
+  }
+  return all ? 0 : 1;
+}
+
+void add_shared(CLI::App& c, Options& o) {
+  c.add_option("--engine", o.engine)->check(CLI::IsMember({"cpu", "cuda"}));
+  c.add_option("--threads", o.threads, "of the CPU engine; 0: one a core");
+  c.add_option("--json", o.json, "results");
+  c.add_option("--csv", o.csv, "results");
+}
+
+CLI::App* add_stability(CLI::App& app, Options& o) {
+  auto* c = app.add_subcommand("stability", "the table of stiff and extreme cases");
+  add_shared(*c, o);
+  c->add_flag("--quick", o.stability.quick, "a tenth of the samples");
+  c->add_option("--only", o.stability.only, "cases whose name holds this");
+  return c;
+}
+
+CLI::App* add_convergence(CLI::App& app, Options& o) {
   auto* c = app.add_subcommand(
       "convergence", "per power of two of samples: milliseconds, true error, estimated error");
   c->add_option("--volume", o.volume,
                 "directory of the volume store, or made:N (a made head of N voxels across)");
   c->add_option("--scene", o.scene, "scene file (JSON)")->required();
-  c->add_option("--engine", o.engine)->check(CLI::IsMember({"cpu", "cuda"}));
-  c->add_option("--threads", o.threads, "of the CPU engine; 0: one a core");
+  add_shared(*c, o);
   c->add_option("--size", o.size, "picture size in pixels, WxH");
   c->add_option("--most", o.wish.most, "samples of the last point, a power of two")
       ->check(CLI::Range(1, 1 << 20));
@@ -152,6 +196,9 @@ void add_convergence(CLI::App& app, Options& o) {
   c->add_option("--mis", o.mis, "both, light, scatter")
       ->delimiter(',')
       ->check(CLI::IsMember({"both", "light", "scatter"}));
+  c->add_option("--roulette", o.roulette, "on, off")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"on", "off"}));
   c->add_option("--target", o.head.target, "error to which the time is given");
   c->add_option("--slope-from", o.head.slope_from, "samples from which slopes are fitted");
   c->add_option("--warm-up", o.wish.warm_up, "seconds rendered and thrown away first");
@@ -160,9 +207,8 @@ void add_convergence(CLI::App& app, Options& o) {
   c->add_option("--reference-seconds", o.wish.reference_seconds, "at most, about");
   c->add_option("--cache", o.wish.cache, "folder where references are kept");
   c->add_flag("--fresh", o.wish.fresh, "take no reference from there");
-  c->add_option("--json", o.json, "results");
-  c->add_option("--csv", o.csv, "results");
   c->add_flag("--quiet", o.quiet, "no progress on standard error");
+  return c;
 }
 
 }  // namespace
@@ -174,8 +220,9 @@ int main(int argc, char** argv) {
     app.option_defaults()->always_capture_default();
     app.require_subcommand(1);
     add_convergence(app, options);
+    const auto* stability = add_stability(app, options);
     CLI11_PARSE(app, argc, argv);
-    return run(options);
+    return *stability ? run_stability(options) : run(options);
   } catch (const std::exception& error) {
     std::cerr << "diaphane-renderd-bench: " << error.what() << '\n';
     return 70;

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "renderd/engine/frame_renderer.h"
+
+// The stiff and extreme cases (design: renderer, "Stiff and extreme cases") on one engine: each is
+// rendered through the engine's public interface alone and compared with an analytic value, or with
+// an independent evaluation in double precision.
+
+namespace diaphane::render::bench {
+
+/// One line of the table.
+struct StabilityRow {
+  std::string about;
+  double samples = 0;            ///< rays through all pixels, of all pictures of the case
+  std::uint64_t non_finite = 0;  ///< numbers in pictures, and samples dropped
+  double deviation = 0;          ///< the largest of the case
+  std::string unit;              ///< of it: "sigma", "relative", "absolute", "ms", "fields"
+  double limit = 0;              ///< of the deviation
+  bool passed = false;
+  std::string note;
+};
+
+struct StabilityWish {
+  bool quick = false;                             ///< a tenth of the samples
+  std::string only;                               ///< cases whose name holds this
+  std::function<void(const StabilityRow&)> each;  ///< as they come
+};
+
+std::vector<StabilityRow> measure_stability(Engine& engine, const StabilityWish& wish);
+
+std::string stability_text(const StabilityRow& row, const std::string& engine);
+std::string stability_json(const std::vector<StabilityRow>& rows, const EngineInfo& engine);
+std::string stability_csv(const std::vector<StabilityRow>& rows, const std::string& engine);
+
+}  // namespace diaphane::render::bench

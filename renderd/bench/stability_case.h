@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "renderd/bench/stability.h"
+#include "renderd/math/vector.h"
+#include "renderd/scene/test_scenes.h"
+
+// What the cases of the stability table share.
+
+namespace diaphane::render::bench {
+
+/// A case of the table; it fills a row.
+struct StabilityCase {
+  std::string about;
+  std::function<void(Engine&, const StabilityWish&, StabilityRow&)> measure;
+};
+
+std::vector<StabilityCase> medium_cases();
+std::vector<StabilityCase> ray_cases();
+std::vector<StabilityCase> light_cases();
+std::vector<StabilityCase> run_cases();
+std::vector<StabilityCase> input_cases();
+
+/// More standard deviations than chance gives in some hundred comparisons (7e-6 each, both sides).
+inline constexpr double kMostSigmas = 4.5;
+/// fp32 along a ray of some hundred steps.
+inline constexpr double kRounding = 2e-5;
+
+/// One picture, each pixel of which has the same expectation.
+struct Look {
+  double mean = 0;       ///< over pixels and colours
+  double deviation = 0;  ///< standard deviation of `mean`, from the spread of the pixels
+  double smallest = 0, largest = 0;
+  std::vector<float> pixels;
+  std::string refused;  ///< why there is no picture
+};
+/// Adds its samples and what was not finite to the row.
+Look look(Engine& engine, const volume::Volume& volume, const diaphane::v1::Scene& scene,
+          Canvas canvas, std::uint32_t samples, StabilityRow& row);
+
+/// Compares with what is known, and keeps the largest deviation: in sigmas, where within rounding
+/// of the truth 0.
+void compare(const Look& seen, double expected, StabilityRow& row);
+/// Two estimates of the same.
+void compare(const Look& a, const Look& b, StabilityRow& row);
+/// A relative or absolute deviation against a limit.
+void note_deviation(double deviation, double limit, const std::string& unit, StabilityRow& row);
+
+/// A thin parallel beam that sees how much gets through: no light, white behind, so that the mean
+/// of a pixel is the transmittance along `from` to `to` (world, mm). `width` mm.
+diaphane::v1::Scene beam(Double3 from, Double3 to, double width);
+void set_medium(diaphane::v1::Scene& scene,
+                std::initializer_list<std::pair<double, double>> opacity, double extinction);
+
+/// Length in mm of the ray from `from` towards `to` (world) inside a volume's box; by slabs, in
+/// double precision, apart from the renderer's code.
+double length_inside(const volume::Header& header, Double3 from, Double3 to);
+
+inline Double3 along(int axis, double x) {
+  return {axis == 0 ? x : 0.0, axis == 1 ? x : 0.0, axis == 2 ? x : 0.0};
+}
+
+}  // namespace diaphane::render::bench
