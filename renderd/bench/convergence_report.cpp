@@ -128,6 +128,7 @@ std::string report_json(const ReportHead& head, const Convergence& result) {
   Json json{{"bench", "convergence"},
             {"engine", head.engine.engine},
             {"device", head.engine.device},
+            {"devices", head.devices},
             {"volume", head.volume},
             {"scene", head.scene},
             {"width", r.canvas.width},

@@ -10,6 +10,7 @@ namespace diaphane::render::bench {
 struct ReportHead {
   EngineInfo engine;
   std::string volume, scene;  ///< names for the reader
+  unsigned devices = 1;
   std::uint32_t repeats = 0;
   double target = 0.05;           ///< the error to which time is given
   std::uint32_t slope_from = 16;  ///< samples: below, clipping and sparse contents bend the line

@@ -10,6 +10,7 @@
 
 #include "renderd/bench/convergence.h"
 #include "renderd/bench/convergence_report.h"
+#include "renderd/bench/farm.h"
 #include "renderd/bench/made_volume.h"
 #include "renderd/bench/stability.h"
 #include "renderd/scene/presets.h"
@@ -25,7 +26,7 @@ constexpr int kFailed = 65, kNoDevice = 69;  // sysexits.h, as diaphane-render
 
 struct Options {
   std::string volume = "made", scene, engine = "cpu", size = "512x512";
-  unsigned threads = 0;
+  unsigned threads = 0, devices = 1;
   std::vector<std::string> walks{"tracking"}, points{"low-discrepancy", "independent"};
   std::vector<std::string> mis{"both"}, roulette{"on"};
   std::string json, csv;
@@ -103,9 +104,10 @@ bool written(const std::string& path, const std::string& text) {
 }
 
 Result<std::unique_ptr<render::Engine>> engine_of(const Options& options) {
-  return render::make_engine(
-      options.engine == "cuda" ? render::EngineChoice::kCuda : render::EngineChoice::kCpu,
-      options.threads);
+  const auto choice =
+      options.engine == "cuda" ? render::EngineChoice::kCuda : render::EngineChoice::kCpu;
+  if (options.devices > 1) return bench::make_farm(choice, options.devices, options.threads);
+  return render::make_engine(choice, options.threads);
 }
 
 Result<bench::Convergence> converge(Options& options) {
@@ -122,6 +124,7 @@ Result<bench::Convergence> converge(Options& options) {
   options.head.engine = (*engine)->info();
   options.head.volume = short_name(options.volume);
   options.head.scene = short_name(options.scene);
+  options.head.devices = options.devices;
   options.head.repeats = options.wish.repeats;
   options.wish.methods = methods_of(options);
   const bool show = !options.quiet && ::isatty(STDERR_FILENO) == 1;
@@ -183,6 +186,8 @@ CLI::App* add_convergence(CLI::App& app, Options& o) {
                 "directory of the volume store, or made:N (a made head of N voxels across)");
   c->add_option("--scene", o.scene, "scene file (JSON)")->required();
   add_shared(*c, o);
+  c->add_option("--devices", o.devices, "spread over so many, each in a process of its own")
+      ->check(CLI::Range(1, 64));
   c->add_option("--size", o.size, "picture size in pixels, WxH");
   c->add_option("--most", o.wish.most, "samples of the last point, a power of two")
       ->check(CLI::Range(1, 1 << 20));

@@ -1,20 +1,32 @@
 #!/usr/bin/env python3
-"""`./diaphane bench render` with the programs of one build, on a machine where nothing else is installed."""
+"""`./diaphane bench NAME` with the programs of one build, on a machine where nothing else is installed.
 
+bench.py BUILD REPORT [NAME [OPTIONS...]]; NAME is `render` when none is given."""
+
+import argparse
 import dataclasses
+import importlib
 import json
 import os
 import pathlib
 import sys
 
-build, report = sys.argv[1:3]
+build, report, *rest = sys.argv[1:]
+name, own = (rest[0], rest[1:]) if rest else ("render", [])
 os.environ["DIAPHANE_BUILD"] = build
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 from house import bench  # noqa: E402
-from house.benches import render  # noqa: E402
 
-results = render.measure(quick=False)
+measured = importlib.import_module(f"house.benches.{name}")
+if hasattr(measured, "add_options"):
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--quick", action="store_true")
+    measured.add_options(parser)
+    options = parser.parse_args(own)
+    results = measured.measure(options.quick, options)
+else:
+    results = measured.measure(quick=False)
 bench._print(results)
-written = {"bench": "render", "machine": bench.machine(), "results": [dataclasses.asdict(r) for r in results]}
+written = {"bench": name, "machine": bench.machine(), "results": [dataclasses.asdict(r) for r in results]}
 pathlib.Path(report).write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")

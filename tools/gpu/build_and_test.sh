@@ -5,7 +5,7 @@
 #   CRANIUM  the scene's volume (tools/gpu/cranium_volume.py); without it nothing is measured
 #   OUT      where logs, pictures and render.json go; default out/
 #   CONFIGURE, TARGETS  further arguments of CMake; what to build instead of everything
-#   STEPS    of "build unit gpu memcheck engine measure"; default all
+#   STEPS    of "build unit gpu memcheck engine measure convergence stability"; default all but the last two
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 OUT=${OUT:-$PWD/out}
@@ -66,5 +66,14 @@ if wants measure && [[ -n $CRANIUM ]]; then
   "${render[@]}" --engine cuda --samples 2048 --out "$OUT/cranium.png" || true  # where libpng is
   DIAPHANE_CRANIUM=$CRANIUM python3 tools/gpu/bench.py "$BUILD" "$OUT/render.json" || failed=1
 fi
-cat "$OUT"/*.log > "$OUT/all.log" && rm "$OUT"/{configure,build,unit,gpu,memcheck,racecheck,initcheck,engine}.log 2> /dev/null
+# Error against run time: convergence-cuda.json and .csv, all scenes; docs/error-vs-time.md says how plots come of them.
+# CONVERGENCE: options of `./diaphane bench convergence`.
+if wants convergence; then
+  DIAPHANE_CRANIUM=$CRANIUM step convergence python3 tools/gpu/bench.py "$BUILD" "$OUT/convergence.json" convergence \
+    --engine cuda --no-plots --out "$OUT" ${CONVERGENCE:-}
+fi
+if wants stability; then
+  step stability python3 tools/gpu/bench.py "$BUILD" "$OUT/stability.json" stability --engine cuda --out "$OUT"
+fi
+cat "$OUT"/*.log > "$OUT/all.log" && rm "$OUT"/{configure,build,unit,gpu,memcheck,racecheck,initcheck,engine,convergence,stability}.log 2> /dev/null
 exit $failed

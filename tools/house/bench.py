@@ -1,7 +1,9 @@
-"""`./diaphane bench`: measurements, all in one form. A measurement is a module in benches/ with ABOUT and measure()."""
+"""`./diaphane bench`: measurements, all in one form. A measurement is a module in benches/ with ABOUT and measure(quick);
+one with options of its own has add_options(parser) and measure(quick, options)."""
 
 from __future__ import annotations
 
+import argparse
 import importlib
 import json
 import os
@@ -12,6 +14,7 @@ import subprocess
 import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import Sequence
 
 from . import benches, build, install, paths
@@ -47,7 +50,7 @@ def percentile(runs: Sequence[float], percent: float) -> float:
     return ordered[min(len(ordered) - 1, int(len(ordered) * percent / 100))]
 
 
-def run(name: str | None, json_file: Path | None, quick: bool) -> int:
+def run(name: str | None, json_file: Path | None, quick: bool, rest: Sequence[str] = ()) -> int:
     known = {module.name.replace("_", "-"): module.name for module in pkgutil.iter_modules(benches.__path__)}
     if name is None:
         for shown, module in sorted(known.items()):
@@ -55,19 +58,31 @@ def run(name: str | None, json_file: Path | None, quick: bool) -> int:
         return 0
     if name not in known:
         raise HouseError(f"no bench '{name}'; there are: {', '.join(sorted(known))}", 64)
+    bench = importlib.import_module(f"{benches.__name__}.{known[name]}")
+    options = _own_options(bench, name, rest)
     if not _in_venv():
         install.ensure("bench")
         return _again_in_venv()
-    bench = importlib.import_module(f"{benches.__name__}.{known[name]}")
     build.build_programs(*getattr(bench, "PROGRAMS", ()))
     if getattr(bench, "PAGE", False):
         build.build_page()
-    results = bench.measure(quick)
+    results = bench.measure(quick, options) if options else bench.measure(quick)
     _print(results)
     if json_file:
         written = {"bench": name, "machine": machine(), "results": [asdict(result) for result in results]}
         json_file.write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")
     return 0 if all(result.met is not False for result in results) else 2
+
+
+def _own_options(bench: ModuleType, name: str, rest: Sequence[str]) -> argparse.Namespace | None:
+    """What stands after the name, for a measurement that has options; for others nothing may."""
+    if not hasattr(bench, "add_options"):
+        if rest:
+            raise HouseError(f"bench {name} has no options of its own: {' '.join(rest)}", 64)
+        return None
+    parser = argparse.ArgumentParser(prog=f"./diaphane bench {name}", description=bench.ABOUT)
+    bench.add_options(parser)
+    return parser.parse_args(list(rest))
 
 
 def _in_venv() -> bool:

@@ -71,6 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     bench.add_argument("name", nargs="?")
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the results there")
     bench.add_argument("--quick", action="store_true", help="fewer repetitions")
+    bench.set_defaults(takes_rest=True)    # a measurement may have options of its own
     commands.add_parser("help", help="this").set_defaults(run=lambda *_: parser.print_help() or 0)
     return parser
 
@@ -142,7 +143,7 @@ def _tool(name: str):
     return run
 
 
-def _bench(options: argparse.Namespace, _: list[str]) -> int:
+def _bench(options: argparse.Namespace, rest: list[str]) -> int:
     from . import bench
 
-    return bench.run(options.name, options.json, options.quick)
+    return bench.run(options.name, options.json, options.quick, rest)

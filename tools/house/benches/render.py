@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 from .. import paths
 from ..bench import Result, result
+from ..bench_volumes import cranium
 from ..says import HouseError
 
 ABOUT = "samples per second of the cranium scene, time to an error of 0.05: on the CPU, and on a GPU where there is one"
@@ -24,7 +23,7 @@ NO_DEVICE = 69
 
 def measure(quick: bool) -> list[Result]:
     with tempfile.TemporaryDirectory(prefix="diaphane-bench-") as folder:
-        volume = os.environ.get("DIAPHANE_CRANIUM") or _cranium(Path(folder) / "cranium")
+        volume = cranium() or _without_cranium()
         results = []
         for engine in ("cpu", "cuda"):
             for name, (size, share) in SIZES.items():
@@ -44,9 +43,8 @@ def _results(name: str, runs: list[dict]) -> list[Result]:
             result(f"{name}: to an error of 0.05", to_5_percent, "ms")]
 
 
-def _cranium(folder: Path) -> str:
-    subprocess.run([sys.executable, str(paths.TOOLS / "gpu" / "cranium_volume.py"), str(folder)], check=True)
-    return str(folder)
+def _without_cranium() -> str:
+    raise HouseError("the cranium is measured, and Debian's package invesalius-examples is not installed")
 
 
 def _render(volume: str, engine: str, size: str, samples: int, seed: int, folder: Path) -> dict | None:

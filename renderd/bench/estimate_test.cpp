@@ -1,0 +1,70 @@
+// The error that the renderer reports beside each picture, against the true one.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "renderd/bench/convergence.h"
+#include "renderd/engine/cpu_engine.h"
+#include "renderd/scene/test_scenes.h"
+
+namespace diaphane::render::bench {
+namespace {
+
+/// Both kinds of points on the skull, by tracking.
+const Convergence& measured() {
+  static const Convergence result = [] {
+    const auto engine = make_cpu_engine(0);
+    const volume::Volume volume = test::skull_volume();
+    ConvergenceWish wish;
+    wish.methods = {{Walk::kTracking, false}, {Walk::kTracking, true}};
+    wish.most = 256;
+    wish.repeats = 8;
+    wish.warm_up = 0;
+    wish.reference_share = 0.2;
+    wish.reference_seconds = 1e9;
+    return measure_convergence(
+               {engine.get(), engine->load(volume).value(), 0, test::skull_scene(), {32, 32}}, wish)
+        .value();
+  }();
+  return result;
+}
+
+/// Some 400 pixels count, their colours go together, in 8 pictures: a root mean square of half
+/// differences has a spread of 1 / sqrt(2 * 400 * 8) = 1.3%, the true error as much, the reference
+/// less. 0.1 is five of the sum's, so a significance of 1e-5 with all six comparisons.
+TEST(Estimate, IsWithinATenthOfTheTruthPast64SamplesForBothKindsOfPoints) {
+  for (const Curve& curve : measured().curves) {
+    for (const CurvePoint& point : curve.points) {
+      EXPECT_EQ(point.non_finite + point.dropped, 0u);
+      if (point.samples < 64) continue;
+      EXPECT_NEAR(point.estimate / point.rmse, 1, 0.1)
+          << (curve.method.low_discrepancy ? "low-discrepancy, " : "independent, ")
+          << point.samples;
+    }
+  }
+}
+
+/// From 16 to 256 samples a slope has a spread of 1.3% / (ln 2 sqrt(10)) = 0.006; the curve of the
+/// display bends the line by less than 0.02 there.
+TEST(Estimate, TheTrueErrorFallsAsTheRootOfTheSamplesAndNoSlowerWithLowDiscrepancy) {
+  const auto& curves = measured().curves;
+  EXPECT_NEAR(*slope(curves[0], &CurvePoint::rmse, 16), -0.5, 0.03);
+  EXPECT_LT(*slope(curves[1], &CurvePoint::rmse, 16), -0.47);
+}
+
+TEST(Estimate, LowDiscrepancyPointsAreNoWorseAtAnyNumberOfSamples) {
+  const auto& curves = measured().curves;
+  for (std::size_t i = 0; i < curves[0].points.size(); ++i) {
+    EXPECT_LT(curves[1].points[i].rmse, 1.05 * curves[0].points[i].rmse)
+        << curves[0].points[i].samples << " samples";
+  }
+}
+
+TEST(Estimate, TheReferenceIsFarBelowWhatItJudges) {
+  const Convergence& result = measured();
+  EXPECT_LT(result.reference.error, 0.25 * result.curves[1].points.back().rmse);
+  EXPECT_GT(result.reference.samples, 16 * 256);
+}
+
+}  // namespace
+}  // namespace diaphane::render::bench

@@ -1,0 +1,109 @@
+#include "renderd/bench/farm_device.h"
+
+namespace diaphane::render::bench {
+namespace {
+
+/// The device of one process and what it renders.
+class FarmDevice {
+ public:
+  FarmDevice(EngineChoice choice, unsigned threads, const volume::Volume& volume) {
+    auto engine = make_engine(choice, threads);
+    if (!engine) {
+      trouble_ = engine.error();
+      return;
+    }
+    engine_ = *std::move(engine);
+    auto loaded = engine_->load(volume);
+    if (!loaded) {
+      trouble_ = loaded.error();
+      return;
+    }
+    volume_ = *std::move(loaded);
+  }
+
+  Result<std::string> answer(FarmWord word, std::string_view payload) {
+    if (!volume_) return tl::unexpected(trouble_);
+    if (word == FarmWord::kInfo) {
+      const EngineInfo info = engine_->info();
+      return info.engine + "\n" + info.device;
+    }
+    if (word == FarmWord::kRenderer) return make(unpacked<RendererWish>(payload));
+    if (!renderer_) return fail(ErrorCode::kInternal, "there is no renderer yet");
+    switch (word) {
+      case FarmWord::kScene:
+        return set_scene(payload);
+      case FarmWord::kRender:
+        return render(unpacked<std::uint32_t>(payload));
+      case FarmWord::kProgress:
+        return packed(renderer_->progress());
+      case FarmWord::kRadiance:
+        return radiance();
+      case FarmWord::kContents:
+        return contents();
+      case FarmWord::kFeatures:
+        return features();
+      default:
+        return fail(ErrorCode::kInternal, "a word that no device knows");
+    }
+  }
+
+ private:
+  Result<std::string> make(const RendererWish& wish) {
+    renderer_.reset();
+    auto renderer = engine_->renderer(volume_, wish.seed, wish.first_sample, wish.method);
+    if (!renderer) return tl::unexpected(renderer.error());
+    renderer_ = *std::move(renderer);
+    return std::string();
+  }
+  Result<std::string> set_scene(std::string_view payload) {
+    const auto canvas = unpacked<Canvas>(payload);
+    diaphane::v1::Scene scene;
+    if (!scene.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
+      return fail(ErrorCode::kInternal, "no scene came");
+    }
+    if (auto set = renderer_->set_scene(scene, canvas); !set) return tl::unexpected(set.error());
+    return std::string();
+  }
+  Result<std::string> render(std::uint32_t samples) {
+    auto batch = renderer_->render(samples, [] { return false; });
+    if (!batch) return tl::unexpected(batch.error());
+    return packed(*batch);
+  }
+  Result<std::string> radiance() {
+    PictureRgbF picture;
+    if (auto done = renderer_->radiance(picture); !done) return tl::unexpected(done.error());
+    return std::string(reinterpret_cast<const char*>(picture.pixels.data()),
+                       picture.pixels.size() * sizeof picture.pixels[0]);
+  }
+  Result<std::string> contents() {
+    std::vector<std::uint8_t> met;
+    if (auto done = renderer_->contents(met); !done) return tl::unexpected(done.error());
+    return std::string(met.begin(), met.end());
+  }
+  Result<std::string> features() {
+    std::string names;
+    for (const std::string& name : renderer_->features()) names += name + "\n";
+    return names;
+  }
+
+  std::unique_ptr<Engine> engine_;
+  std::shared_ptr<const DeviceVolume> volume_;
+  std::unique_ptr<FrameRenderer> renderer_;
+  Error trouble_;
+};
+
+}  // namespace
+
+void serve_farm_device(const FarmWire& wire, EngineChoice choice, unsigned threads,
+                       const volume::Volume& volume) {
+  FarmDevice device(choice, threads, volume);
+  while (auto question = wire.receive()) {
+    const auto answer = device.answer(question->word, question->payload);
+    const bool sent =
+        answer ? wire.send(FarmWord::kDone, *answer)
+               : wire.send(FarmWord::kFailed, packed(answer.error().code) + answer.error().message);
+    if (!sent) return;
+  }
+}
+
+}  // namespace diaphane::render::bench

@@ -1,0 +1,58 @@
+#include "renderd/bench/farm_wire.h"
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+namespace diaphane::render::bench {
+namespace {
+
+struct Head {
+  FarmWord word;
+  std::uint64_t bytes;
+};
+
+bool write_all(int descriptor, const char* data, std::size_t bytes) {
+  while (bytes > 0) {
+    const ssize_t n = ::send(descriptor, data, bytes, MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    data += n;
+    bytes -= static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+bool read_all(int descriptor, char* data, std::size_t bytes) {
+  while (bytes > 0) {
+    const ssize_t n = ::read(descriptor, data, bytes);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    data += n;
+    bytes -= static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+}  // namespace
+
+FarmWire::~FarmWire() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+bool FarmWire::send(FarmWord word, std::string_view payload) const {
+  const std::string head = packed(Head{word, payload.size()});
+  return write_all(descriptor_, head.data(), head.size()) &&
+         write_all(descriptor_, payload.data(), payload.size());
+}
+
+std::optional<FarmMessage> FarmWire::receive() const {
+  Head head{};
+  if (!read_all(descriptor_, reinterpret_cast<char*>(&head), sizeof head)) return std::nullopt;
+  FarmMessage message{head.word, std::string(head.bytes, '\0')};
+  if (!read_all(descriptor_, message.payload.data(), head.bytes)) return std::nullopt;
+  return message;
+}
+
+}  // namespace diaphane::render::bench

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+// Messages between the processes of a farm, over a socket pair on one machine.
+
+namespace diaphane::render::bench {
+
+enum class FarmWord : std::uint32_t {
+  kDone,
+  kFailed,  ///< an error's code and message
+  kInfo,
+  kRenderer,
+  kScene,
+  kRender,
+  kProgress,
+  kRadiance,
+  kContents,
+  kFeatures
+};
+
+struct FarmMessage {
+  FarmWord word = FarmWord::kDone;
+  std::string payload;
+};
+
+/// One end; owns the descriptor.
+class FarmWire {
+ public:
+  explicit FarmWire(int descriptor) : descriptor_(descriptor) {}
+  ~FarmWire();
+  FarmWire(FarmWire&& other) noexcept : descriptor_(other.descriptor_) { other.descriptor_ = -1; }
+  FarmWire& operator=(FarmWire&&) = delete;
+
+  bool send(FarmWord word, std::string_view payload) const;
+  /// Nothing when the other end has gone.
+  std::optional<FarmMessage> receive() const;
+
+ private:
+  int descriptor_;
+};
+
+template <typename T>
+std::string packed(const T& value) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return {reinterpret_cast<const char*>(&value), sizeof value};
+}
+/// Takes the value from the front of `from`.
+template <typename T>
+T unpacked(std::string_view& from) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  T value{};
+  std::memcpy(&value, from.data(), sizeof value < from.size() ? sizeof value : from.size());
+  from.remove_prefix(sizeof value < from.size() ? sizeof value : from.size());
+  return value;
+}
+
+}  // namespace diaphane::render::bench
