@@ -160,6 +160,29 @@ TEST_F(CudaAgainstCpuTest, LightsOfEveryShapeHaveTheSameMean) {
   }
 }
 
+/// Lens, clip and grey slices; then parallel rays, light cut too, slices in colours.
+TEST_F(CudaAgainstCpuTest, CameraClipAndSlicesHaveTheSameMean) {
+  for (const bool second : {false, true}) {
+    auto scene = full_scene();
+    scene.mutable_camera()->set_aperture_radius(3);
+    scene.mutable_camera()->set_orthographic_height(second ? 45 : 0);
+    auto* plane = scene.mutable_clip()->add_planes();
+    plane->mutable_point()->set_y(-2);
+    plane->mutable_normal()->set_y(-0.8);
+    plane->mutable_normal()->set_z(0.5);
+    scene.mutable_clip()->set_cuts_light(second);
+    auto* slices = scene.mutable_slices();
+    slices->mutable_coronal()->set_shown(true);
+    slices->mutable_coronal()->set_position(3);
+    slices->mutable_axial()->set_shown(true);
+    slices->set_window_centre(500);
+    slices->set_window_width(1200);
+    if (second) slices->set_colouring(diaphane::v1::Slices::TRANSFER);
+    SCOPED_TRACE(second ? "parallel rays" : "perspective");
+    expect_same(lumpy_volume(40, 30, 25), scene, kFew);
+  }
+}
+
 TEST_F(CudaAgainstCpuTest, AStiffSceneHasTheSameMean) {
   auto scene = full_scene();
   scene.mutable_transfer_function()->set_extinction_per_mm(100);
