@@ -50,6 +50,25 @@ Result<void> Acceleration::rebuild_acceleration(const CudaVolume& volume,
   return download(&found_, summary_, 1, stream);
 }
 
+Result<void> Acceleration::rebuild_exact(const CudaVolume& volume, const ExactTables& tables,
+                                         cudaStream_t stream) {
+  const auto fit = [](auto& buffer, std::size_t count) -> Result<void> {
+    if (buffer.data() != nullptr && buffer.capacity() >= count) return {};
+    return allocate(buffer, count);
+  };
+  DIAPHANE_TRY(fit(pieces_, tables.pieces.size()));
+  DIAPHANE_TRY(fit(piece_of_, tables.piece_of.size()));
+  DIAPHANE_TRY(fit(clear_until_, tables.clear_until.size()));
+  DIAPHANE_TRY(fit(skips_, 8 * volume.brick_count()));
+  DIAPHANE_TRY(upload(pieces_, tables.pieces.data(), tables.pieces.size(), stream));
+  DIAPHANE_TRY(upload(piece_of_, tables.piece_of.data(), tables.piece_of.size(), stream));
+  DIAPHANE_TRY(upload(clear_until_, tables.clear_until.data(), tables.clear_until.size(), stream));
+  auto empty = volume.prepare_exact(clear_until_.data(), skips_.data(), stream);
+  if (!empty) return tl::unexpected(empty.error());
+  empty_bricks_ = *empty;
+  return {};
+}
+
 Box Acceleration::occupied() const {
   if (found_.occupied == 0) return {{0, 0, 0}, {0, 0, 0}};
   const auto begin = [this](int axis) { return static_cast<float>(found_.low[axis] * kCellSize); };
@@ -68,7 +87,8 @@ double Acceleration::empty_cells() const {
 }
 
 std::uint64_t Acceleration::device_bytes() const {
-  return maxima_.bytes() + minima_.bytes() + bounds_.bytes() + summary_.bytes();
+  return maxima_.bytes() + minima_.bytes() + bounds_.bytes() + summary_.bytes() + pieces_.bytes() +
+         piece_of_.bytes() + clear_until_.bytes() + skips_.bytes();
 }
 
 }  // namespace diaphane::render::cuda

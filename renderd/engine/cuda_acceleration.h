@@ -28,6 +28,13 @@ class Acceleration {
   Result<void> rebuild_acceleration(const CudaVolume& volume, const PreparedTransfer& transfer,
                                     cudaStream_t stream);
 
+  /// The same for the exact walk: where the walk will be used, after rebuild_acceleration().
+  Result<void> rebuild_exact(const CudaVolume& volume, const ExactTables& tables,
+                             cudaStream_t stream);
+  const ExtinctionPiece* pieces() const { return pieces_.data(); }
+  const std::uint16_t* piece_of() const { return piece_of_.data(); }
+  const std::uint8_t* skips() const { return skips_.data(); }
+
   const float* extinction() const { return maxima_.data(); }
   const CellBounds* bounds() const { return bounds_.data(); }
   Int3 cells() const { return cells_; }
@@ -45,6 +52,12 @@ class Acceleration {
   DeviceBuffer<float> maxima_, minima_;  ///< TableRows
   DeviceBuffer<CellBounds> bounds_;
   DeviceBuffer<CellSummary> summary_;
+  // Of the exact walk; nothing where it was never used.
+  DeviceBuffer<ExtinctionPiece> pieces_;
+  DeviceBuffer<std::uint16_t> piece_of_;
+  DeviceBuffer<std::int32_t> clear_until_;
+  DeviceBuffer<std::uint8_t> skips_;
+  double empty_bricks_ = 0;
 };
 
 }  // namespace diaphane::render::cuda

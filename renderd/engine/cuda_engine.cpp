@@ -32,9 +32,6 @@ class CudaEngine : public Engine {
                                                        Method method) override {
     auto ours = std::dynamic_pointer_cast<const cuda::CudaVolume>(std::move(volume));
     if (!ours) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
-    if (method.walk == Walk::kExact) {
-      return fail(ErrorCode::kUnsupported, "this engine has no exact walk", "estimator");
-    }
     return cuda::CudaRenderer::make(std::move(ours), variants_, seed, first_sample, method);
   }
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <limits>
 
+#include "renderd/engine/cuda_exact.h"
 #include "renderd/engine/cuda_trace.h"
 
 namespace diaphane::render::cuda {
@@ -124,7 +125,10 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   }
   // Launches of a batch that was stopped may still read the tables and write the film.
   DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream_.get()));
-  if (larger->acceleration.made()) tables_.acceleration = std::move(larger->acceleration);
+  if (larger->acceleration.made()) {
+    tables_.acceleration = std::move(larger->acceleration);
+    exact_of_ = nullptr;
+  }
   adopt(tables_.colour, std::move(larger->colour));
   adopt(tables_.gloss, std::move(larger->gloss));
   adopt(tables_.emission, std::move(larger->emission));
@@ -150,7 +154,8 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   prepared_ = std::move(*prepared);
   prepared_.features = prepared_.features.with(
       Feature::kSteepExtinction, prepared_.matter && tables_.acceleration.steep(prepared_.spacing));
-  variant_ = variants_->get(kTraceKernel, prepared_.features);
+  DIAPHANE_TRY(prepare_exact());
+  variant_ = variants_->get(kernel(), prepared_.features);
   launch_size_.forget();
   seconds_ = 0;
   dropped_ = 0;
@@ -173,6 +178,21 @@ Result<void> CudaRenderer::note_launch(Flight& flight, std::uint64_t work) {
   return {};
 }
 
+const KernelTemplate& CudaRenderer::kernel() const { return exact_ ? kExactKernel : kTraceKernel; }
+
+Result<void> CudaRenderer::prepare_exact() {
+  // Deeper paths are found by tracking as a whole: they would hold up the rays to the lights, which
+  // a warp takes together.
+  exact_ = use_exact_walk(prepared_, method_) &&
+           (method_.walk == Walk::kExact || !prepared_.features.has(Feature::kBounces));
+  if (!exact_ || exact_of_ == prepared_.transfer) return {};
+  exact_of_ = nullptr;
+  DIAPHANE_TRY(
+      tables_.acceleration.rebuild_exact(*volume_, prepared_.transfer->exact, stream_.get()));
+  exact_of_ = prepared_.transfer;
+  return {};
+}
+
 SceneView<TextureVolume> CudaRenderer::view() const {
   SceneView<TextureVolume> view =
       view_of(prepared_, volume_->view(), tables_.acceleration.extinction(), tables_.colour.data(),
@@ -180,6 +200,11 @@ SceneView<TextureVolume> CudaRenderer::view() const {
   if (prepared_.matter) view.grid.occupied = tables_.acceleration.occupied();
   view.transfer.gloss = tables_.gloss.data();
   view.transfer.emission = tables_.emission.data();
+  if (exact_) {
+    view.exact = exact_view_of(prepared_, volume_->grid(), volume_->view().size,
+                               tables_.acceleration.pieces(), tables_.acceleration.piece_of(),
+                               tables_.acceleration.skips());
+  }
   return view;
 }
 
@@ -197,7 +222,8 @@ Result<bool> CudaRenderer::trace_until(std::uint64_t target, const std::function
                         .film_sample = piece.film_sample,
                         .samples = piece.samples,
                         .lane_shift = lane_shift_for(piece.samples, kMostLaneShift)};
-    DIAPHANE_CUDA_TRY(trace(*variant_, scene, stripe, film_->target(), stream_.get()));
+    DIAPHANE_CUDA_TRY(
+        (exact_ ? trace_exact : trace)(*variant_, scene, stripe, film_->target(), stream_.get()));
     film_->done(piece, rows);
     DIAPHANE_TRY(note_launch(flight, std::uint64_t{canvas.width} * rows * stripe.samples));
   }
@@ -210,7 +236,7 @@ Result<Batch> CudaRenderer::render(std::uint32_t samples, const std::function<bo
   Batch batch;
   Flight flight;
   // The scene's own kernel may be ready by now; from the first sample on it is too late.
-  if (film_->empty()) variant_ = variants_->get(kTraceKernel, prepared_.features);
+  if (film_->empty()) variant_ = variants_->get(kernel(), prepared_.features);
   DIAPHANE_CUDA_TRY(cudaEventRecord(events_[0].get(), stream_.get()));
   const std::uint64_t before = film_->samples();
   const auto whole = trace_until(before + samples, stop, flight);

@@ -72,6 +72,8 @@ class CudaRenderer : public FrameRenderer {
   SceneView<TextureVolume> view() const;
   Result<void> upload_lights(const PreparedScene& prepared);
   LightArrays light_arrays() const;
+  const KernelTemplate& kernel() const;
+  Result<void> prepare_exact();
   /// Traces until every pixel has `target` samples; false when stopped before.
   Result<bool> trace_until(std::uint64_t target, const std::function<bool()>& stop, Flight& flight);
   Result<void> note_launch(Flight& flight, std::uint64_t work);
@@ -87,7 +89,9 @@ class CudaRenderer : public FrameRenderer {
   diaphane::v1::Scene scene_;
   PreparedScene prepared_;
   Tables tables_;
-  std::optional<CudaFilm> film_;  ///< nothing before the first scene
+  std::optional<CudaFilm> film_;                      ///< nothing before the first scene
+  bool exact_ = false;                                ///< by the exact walk
+  std::shared_ptr<const PreparedTransfer> exact_of_;  ///< what its tables were made of
   /// Kept while the picture has samples: two kernels give the same estimate, not the same bits.
   std::shared_ptr<const Variant> variant_;
   LaunchSize launch_size_;

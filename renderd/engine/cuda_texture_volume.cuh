@@ -1,6 +1,7 @@
 #pragma once
 
 #include "renderd/engine/cuda_trace_types.h"
+#include "renderd/kernel/exact_walk.h"
 
 // How kernels read the texture of voxels.
 
@@ -38,6 +39,28 @@ __device__ __forceinline__ ValueSpan TextureVolume::corner_range(Int3 cell) cons
     range.high = larger(range.high, v);
   }
   return range;
+}
+
+__device__ __forceinline__ Corners TextureVolume::corners(const CellCrossing& c) const {
+  const std::int32_t slot = slot_of[c.brick];
+  if (slot >= 0) {
+    const std::int32_t within = (c.cell.x & 3) | (c.cell.y & 3) << 2 | (c.cell.z & 3) << 4;
+    const int4 packed =
+        __ldg(reinterpret_cast<const int4*>(nodes + std::int64_t{slot} * 64 + within));
+    const auto low = [](int two) { return static_cast<float>(static_cast<short>(two & 0xffff)); };
+    const auto high = [](int two) { return static_cast<float>(two >> 16); };
+    return {{low(packed.x), high(packed.x), low(packed.y), high(packed.y), low(packed.z),
+             high(packed.z), low(packed.w), high(packed.w)}};
+  }
+  Corners out;
+#pragma unroll
+  for (int corner = 0; corner < 8; ++corner) {
+    out.v[corner] =
+        static_cast<float>(tex3D<short>(texture, static_cast<float>(c.cell.x - 1 + (corner & 1)),
+                                        static_cast<float>(c.cell.y - 1 + (corner >> 1 & 1)),
+                                        static_cast<float>(c.cell.z - 1 + (corner >> 2))));
+  }
+  return out;
 }
 
 }  // namespace diaphane::render::cuda

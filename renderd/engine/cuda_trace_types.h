@@ -11,16 +11,24 @@
 
 namespace diaphane::render::cuda {
 
+/// Voxel values at a cell's corners, in the order of Corners; one load of 16 bytes.
+struct alignas(16) CellNode {
+  std::int16_t corners[8];
+};
+
 /// Voxels in a 3D texture, fetched unfiltered and interpolated in fp32: the texture unit's own
 /// filter has weights of 8 bits. The same numbers as LinearVolume's, in a layout where neighbours
 /// along all axes are near.
 struct TextureVolume {
   cudaTextureObject_t texture;  ///< int16, point sampling, element coordinates, clamped
   Int3 size;
+  const CellNode* nodes;        ///< 64 for each slot; cells of a brick, x fastest
+  const std::int32_t* slot_of;  ///< for each brick of ExactView; -1: none
 
 #if defined(__CUDACC__)
   __device__ float at(Float3 index) const;
   __device__ ValueSpan corner_range(Int3 cell) const;
+  __device__ Corners corners(const CellCrossing& crossing) const;
 #endif
 };
 

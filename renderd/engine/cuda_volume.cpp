@@ -1,5 +1,8 @@
 #include "renderd/engine/cuda_volume.h"
 
+#include <algorithm>
+#include <type_traits>
+
 #include "renderd/engine/cuda_acceleration_kernels.h"
 
 namespace diaphane::render::cuda {
@@ -63,6 +66,7 @@ Result<void> CudaVolume::find_ranges(cudaStream_t stream) {
   DIAPHANE_CUDA_TRY(value_ranges(view(), grid_.cells, ranges_.data(), whole->data(), stream));
   DIAPHANE_TRY(download(low_high, *whole, 2, stream));
   grid_.whole = {static_cast<std::int16_t>(low_high[0]), static_cast<std::int16_t>(low_high[1])};
+  grid_.bricks = bricks_of(view().size);
   return {};
 }
 
@@ -70,7 +74,64 @@ TextureVolume CudaVolume::view() const {
   const auto& size = header_.size;
   return {texture_,
           {static_cast<std::int32_t>(size[0]), static_cast<std::int32_t>(size[1]),
-           static_cast<std::int32_t>(size[2])}};
+           static_cast<std::int32_t>(size[2])},
+          exact_->nodes.data(),
+          exact_->slot_of.data()};
+}
+
+std::size_t CudaVolume::brick_count() const {
+  const Int3 b = grid_.bricks;
+  return static_cast<std::size_t>(b.x) * static_cast<std::size_t>(b.y) *
+         static_cast<std::size_t>(b.z);
+}
+
+Result<void> CudaVolume::make_exact(cudaStream_t stream) const {
+  if (exact_->made) return {};
+  const std::size_t bricks = brick_count();
+  const auto allocate = [](auto& buffer, std::size_t count) -> Result<void> {
+    auto made = std::remove_reference_t<decltype(buffer)>::of(count);
+    if (!made) return tl::unexpected(made.error());
+    buffer = std::move(*made);
+    return {};
+  };
+  DIAPHANE_TRY(allocate(exact_->ranges, bricks));
+  DIAPHANE_TRY(allocate(exact_->levels, 8 * bricks));
+  DIAPHANE_TRY(allocate(exact_->slot_of, bricks));
+  DIAPHANE_TRY(allocate(exact_->missing, bricks));
+  DIAPHANE_TRY(allocate(exact_->counters, 3));
+  DIAPHANE_CUDA_TRY(
+      cudaMemsetAsync(exact_->slot_of.data(), 0xff, bricks * sizeof(std::int32_t), stream));
+  DIAPHANE_CUDA_TRY(cudaMemsetAsync(exact_->counters.data(), 0, exact_->counters.bytes(), stream));
+  DIAPHANE_CUDA_TRY(brick_ranges(view(), grid_.bricks, exact_->ranges.data(), stream));
+  // Beside the volume and the small arrays, so much that all is at most three times the volume.
+  // Where even that cannot be had, cells are read from the texture.
+  constexpr double kMostOfVolume = 1.6;
+  constexpr std::size_t kSlot = 64;
+  const auto wanted = static_cast<std::size_t>(
+      kMostOfVolume * 2 * static_cast<double>(header_.voxel_count()) / (kSlot * sizeof(CellNode)));
+  const std::size_t slots = std::min(wanted, bricks);
+  if (slots > 0 && allocate(exact_->nodes, kSlot * slots))
+    exact_->capacity = static_cast<std::uint32_t>(slots);
+  exact_->made = true;
+  return {};
+}
+
+Result<double> CudaVolume::prepare_exact(const std::int32_t* clear_until, std::uint8_t* skips,
+                                         cudaStream_t stream) const {
+  const std::scoped_lock lock(exact_->mutex);
+  DIAPHANE_TRY(make_exact(stream));
+  const NodePool pool{exact_->nodes.data(), exact_->slot_of.data(), exact_->counters.data(),
+                      exact_->missing.data(), exact_->capacity};
+  std::uint32_t* occupied = exact_->counters.data() + 2;
+  const auto count = static_cast<std::int32_t>(brick_count());
+  DIAPHANE_CUDA_TRY(cudaMemsetAsync(occupied, 0, sizeof(std::uint32_t), stream));
+  DIAPHANE_CUDA_TRY(mark_bricks(exact_->ranges.data(), count, clear_until, grid_.whole.minimum,
+                                exact_->levels.data(), pool, occupied, stream));
+  DIAPHANE_CUDA_TRY(find_skips(exact_->levels.data(), grid_.bricks, skips, stream));
+  if (pool.capacity > 0) DIAPHANE_CUDA_TRY(fill_nodes(view(), grid_.bricks, pool, stream));
+  std::uint32_t numbers[3] = {};
+  DIAPHANE_TRY(download(numbers, exact_->counters, 3, stream));
+  return 1.0 - numbers[2] / static_cast<double>(count);
 }
 
 }  // namespace diaphane::render::cuda

@@ -3,7 +3,9 @@
 #include <cuda_runtime_api.h>
 
 #include <memory>
+#include <mutex>
 
+#include "renderd/engine/cuda_exact_kernels.h"
 #include "renderd/engine/cuda_memory.h"
 #include "renderd/engine/cuda_trace_types.h"
 #include "renderd/engine/frame_renderer.h"
@@ -22,14 +24,36 @@ class CudaVolume : public DeviceVolume {
 
   const volume::Header& header() const override { return header_; }
   std::uint64_t device_bytes() const override {
-    return 2 * header_.voxel_count() + ranges_.bytes();
+    return 2 * header_.voxel_count() + ranges_.bytes() + exact_->ranges.bytes() +
+           exact_->levels.bytes() + exact_->slot_of.bytes() + exact_->missing.bytes() +
+           exact_->nodes.bytes();
   }
   /// Without its ranges, which are on the device.
   const ValueGrid& grid() const { return grid_; }
   const ValueRange* ranges() const { return ranges_.data(); }
   TextureVolume view() const;
 
+  /// For the exact walk: marks the bricks that a transfer function leaves empty in `skips` (8 bytes
+  /// a brick), and puts the cells of the others into the pool of nodes, as far as that goes. Waits
+  /// for the stream, and for another session that is at it. The share of bricks that are empty.
+  Result<double> prepare_exact(const std::int32_t* clear_until, std::uint8_t* skips,
+                               cudaStream_t stream) const;
+  std::size_t brick_count() const;
+
  private:
+  /// Shared by the sessions, and filled by what they look at.
+  struct Exact {
+    std::mutex mutex;
+    DeviceBuffer<ValueRange> ranges;
+    DeviceBuffer<std::uint8_t> levels;
+    DeviceBuffer<std::int32_t> slot_of, missing;
+    DeviceBuffer<CellNode> nodes;
+    DeviceBuffer<std::uint32_t> counters;  ///< NodePool's two, and the occupied bricks
+    std::uint32_t capacity = 0;
+    bool made = false;
+  };
+  Result<void> make_exact(cudaStream_t stream) const;
+
   explicit CudaVolume(const volume::Header& header) : header_(header) {}
   Result<void> upload(const std::int16_t* voxels, cudaStream_t stream);
   Result<void> find_ranges(cudaStream_t stream);
@@ -39,6 +63,7 @@ class CudaVolume : public DeviceVolume {
   DeviceBuffer<ValueRange> ranges_;
   cudaArray_t array_ = nullptr;
   cudaTextureObject_t texture_ = 0;
+  std::unique_ptr<Exact> exact_ = std::make_unique<Exact>();
 };
 
 }  // namespace diaphane::render::cuda

@@ -26,6 +26,7 @@ inline constexpr float kCertainDepth = 5.0f;
 /// when it ends. Unbiased; exact but for what is beyond kCertainDepth.
 class TransmittanceWalk {
  public:
+  TransmittanceWalk() = default;  ///< to be assigned to
   /// `ending` is an exponential variate.
   HOST_DEVICE TransmittanceWalk(const Ray& ray, Span span, const ExactView& exact, float ending)
       : walk_(ray, span, exact), dark_(kCertainDepth + ending) {}

@@ -22,6 +22,7 @@ struct CellCrossing {
 /// components all end. A component of zero is made 1e-20: it reaches no plane.
 class ExactWalk {
  public:
+  ExactWalk() = default;  ///< to be assigned to
   HOST_DEVICE ExactWalk(const Ray& ray, Span span, const ExactView& exact)
       : origin_(ray.origin + Float3{0.5f, 0.5f, 0.5f}),
         direction_{away_from_zero(ray.direction.x), away_from_zero(ray.direction.y),

@@ -121,6 +121,7 @@ ExactTables make_exact_tables(const float* extinction, std::int32_t count, doubl
     out.piece_of[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>(piece);
   }
   out.clear_until = clear_ranges(out.pieces, extinction[count - 1] > 0, grid.whole);
+  if (grid.brick_ranges.empty()) return out;  // they are on a device
   std::vector<std::uint8_t> occupied(grid.brick_ranges.size());
   for (std::size_t b = 0; b < occupied.size(); ++b) {
     const ValueRange range = grid.brick_ranges[b];

@@ -71,7 +71,7 @@ inline ExactView exact_view_of(const PreparedScene& scene, const ValueGrid& grid
           .last_value = grid.whole.maximum,
           .size = size,
           .bricks = grid.bricks,
-          .brick_count = static_cast<std::int32_t>(grid.brick_ranges.size()),
+          .brick_count = grid.bricks.x * grid.bricks.y * grid.bricks.z,
           .skips = skips,
           .strata = {strata[0], strata[1], strata[2], strata[3], strata[4]}};
 }
