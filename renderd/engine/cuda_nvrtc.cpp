@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <sstream>
 #include <type_traits>
 #include <vector>
 
@@ -24,8 +25,15 @@ constexpr std::size_t kLongestMessage = 600;
 std::vector<std::string> options_for(int architecture) {
   // As nvcc compiles the kernels ahead of time: the same optimisation, contraction and line tables.
   // The last is for lambdas, which have no other mark.
-  return {"--gpu-architecture=sm_" + std::to_string(architecture), "--std=c++20",
-          "--generate-line-info", "--device-as-default-execution-space"};
+  std::vector<std::string> options{"--gpu-architecture=sm_" + std::to_string(architecture),
+                                   "--std=c++20", "--generate-line-info",
+                                   "--device-as-default-execution-space"};
+  // To try a kernel's numbers without building anew: "-DDIAPHANE_EXACT_REFILL=16 ..."
+  if (const char* more = std::getenv("DIAPHANE_NVRTC_OPTIONS")) {
+    std::istringstream words(more);
+    for (std::string word; words >> word;) options.push_back(word);
+  }
+  return options;
 }
 
 /// The compiler opens its built-in headers' library by name alone, which finds it only on the

@@ -181,6 +181,16 @@ HOST_DEVICE bool for_each_part(const Corners& corners, const Crossing& way, cons
   return true;
 }
 
+/// Optical depth of a crossing whose values span several pieces.
+HOST_DEVICE_SELDOM float depth_of_parts(Corners corners, Crossing way, const ExactView& exact) {
+  float depth = 0.0f;
+  for_each_part(corners, way, exact, [&](const ExtinctionPiece& p, float ta, float tb) {
+    depth += depth_between(corners, way, p, ta, tb);
+    return true;
+  });
+  return depth;
+}
+
 /// Optical depth of the whole crossing.
 HOST_DEVICE float depth_of_cell(const Corners& corners, const Crossing& way,
                                 const ExactView& exact) {
@@ -191,17 +201,12 @@ HOST_DEVICE float depth_of_cell(const Corners& corners, const Crossing& way,
     if (!(piece.extinction > 0.0f) && piece.slope == 0.0f) return 0.0f;
     return depth_between(corners, way, piece, way.t0, way.t1);
   }
-  float depth = 0.0f;
-  for_each_part(corners, way, exact, [&](const ExtinctionPiece& p, float ta, float tb) {
-    depth += depth_between(corners, way, p, ta, tb);
-    return true;
-  });
-  return depth;
+  return depth_of_parts(corners, way, exact);
 }
 
 /// Where the optical depth from way.t0 reaches `target`, which is at most that of the cell.
-HOST_DEVICE float place_in_cell(const Corners& corners, const Crossing& way, const ExactView& exact,
-                                float target) {
+HOST_DEVICE_SELDOM float place_in_cell(Corners corners, Crossing way, const ExactView& exact,
+                                       float target) {
   float place = way.t1;
   for_each_part(corners, way, exact, [&](const ExtinctionPiece& p, float ta, float tb) {
     const float depth = depth_between(corners, way, p, ta, tb);
