@@ -225,11 +225,11 @@ PreparedTransfer prepare_transfer(const diaphane::v1::TransferFunction& function
   out.bounds.resize(grid.ranges.size());
   bake(function, minimum, k, out);
   out.margin = static_cast<float>(rounding_margin(grid, k));
+  out.exact = make_exact_tables(out.extinction.data(), out.count, k, grid);
   if (grid.ranges.empty()) return out;
   const TableExtrema extrema(out.extinction);
   bound_cells(grid, extrema, out);
   out.steep = is_steep(out, spacing);
-  out.exact = make_exact_tables(out.extinction.data(), out.count, k, grid);
   extrema.append_maxima(out.extinction);
   out.occupied = occupied_box(out, size);
   return out;
