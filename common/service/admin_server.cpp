@@ -47,7 +47,7 @@ void knock(const std::string& address, std::uint16_t port) {
   if (inet_pton(AF_INET, address.c_str(), &to.sin_addr) != 1) return;
   const int fd = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (fd < 0) return;
-  connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+  static_cast<void>(connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to));
   close(fd);
 }
 
