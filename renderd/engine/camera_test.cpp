@@ -1,6 +1,7 @@
 // Thin lens and parallel rays, against their formulas in world space and double precision.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 

@@ -2,6 +2,7 @@
 // a volume that is cropped in fact, and both ways to treat light against their exact integrals.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 

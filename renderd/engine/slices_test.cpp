@@ -2,6 +2,7 @@
 // double precision; behind matter, before matter, in matter, and alone.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 

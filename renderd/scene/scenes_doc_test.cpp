@@ -2,6 +2,7 @@
 // the tests, and every example is a part of a valid scene.
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
