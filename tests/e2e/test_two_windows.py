@@ -18,10 +18,13 @@ def test_a_duplicated_window_takes_the_picture_over_until_it_is_asked_back(stack
     first = person.page
     wait_for_samples(stack, first, 1)
 
-    # What "Duplicate" in a browser does: the new window begins with what the old one remembers.
-    with first.context.expect_page() as opened:
-        first.evaluate("window.open(location.href)")
-    second = opened.value
+    # What "Duplicate" in a browser does: the new window begins with what the old one remembers. (window.open would too,
+    # but a window of its own does not always take the mouse in a headless browser.)
+    remembered = first.evaluate("JSON.stringify(sessionStorage)")
+    second = first.context.new_page()
+    second.set_default_timeout(20_000)
+    second.add_init_script(f"if (sessionStorage.length === 0) Object.assign(sessionStorage, {remembered})")
+    second.goto(first.url)
     wait_for_samples(stack, second, 1)
     assert session_of(first) == session_of(second)
     expect(first.get_by_role("status")).to_contain_text("This picture goes on in another window.")
