@@ -93,16 +93,31 @@ Result<Ending> render_all(FrameRenderer& renderer, const Options& options) {
   }
 }
 
-Result<std::string> encode(FrameRenderer& renderer, PictureFormat format) {
+struct Encoded {
+  std::string bytes;
+  bool denoised = false;
+};
+
+/// The picture as it stands; smoothed if `denoise`, where it was prepared for that.
+Result<Encoded> encode(FrameRenderer& renderer, PictureFormat format, bool denoise) {
+  const auto no = [] { return false; };
   if (format == PictureFormat::kExr) {
     PictureRgbF picture;
-    if (auto done = renderer.radiance(picture); !done) return tl::make_unexpected(done.error());
-    return encode_exr(picture);
+    const Result<bool> denoised =
+        denoise ? renderer.radiance_denoised(picture) : renderer.radiance(picture).map(no);
+    if (!denoised) return tl::make_unexpected(denoised.error());
+    return encode_exr(picture).map([&](std::string bytes) {
+      return Encoded{std::move(bytes), *denoised};
+    });
   }
   PictureRgb8 picture;
-  if (auto done = renderer.display(picture); !done) return tl::make_unexpected(done.error());
-  if (format == PictureFormat::kPpm) return encode_ppm(picture);
-  return encode_png(picture);
+  const Result<bool> denoised =
+      denoise ? renderer.display_denoised(picture) : renderer.display(picture).map(no);
+  if (!denoised) return tl::make_unexpected(denoised.error());
+  if (format == PictureFormat::kPpm) return Encoded{encode_ppm(picture), *denoised};
+  return encode_png(picture).map([&](std::string bytes) {
+    return Encoded{std::move(bytes), *denoised};
+  });
 }
 
 struct Rendered {
@@ -124,16 +139,17 @@ Result<Rendered> render(const Options& options) {
   if (!volume) return tl::make_unexpected(volume.error());
   auto renderer = (*engine)->renderer(*volume, options.seed, 0, options.method);
   if (!renderer) return tl::make_unexpected(renderer.error());
+  (*renderer)->prepare_denoising(options.denoise);
   if (auto set = (*renderer)->set_scene(*scene, options.canvas); !set) {
     return tl::make_unexpected(set.error());
   }
   auto ending = render_all(**renderer, options);
   if (!ending) return tl::make_unexpected(ending.error());
-  auto picture = encode(**renderer, *picture_format(options.picture));
+  auto picture = encode(**renderer, *picture_format(options.picture), options.denoise);
   if (!picture) return tl::make_unexpected(picture.error());
-  return Rendered{std::move(*picture),
+  return Rendered{std::move(picture->bytes),
                   {(*engine)->info(), (*renderer)->progress(), ending->dropped, ending->reason,
-                   (*renderer)->features(), (*renderer)->report()}};
+                   (*renderer)->features(), (*renderer)->report(), picture->denoised}};
 }
 
 int complain(const Error& error, int exit_code) {

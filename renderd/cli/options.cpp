@@ -47,7 +47,10 @@ constexpr const char* kFooter =
     "it does\n"
     "not need), kernel (the program's code for it: compiled_in, left_out, registers, empty_cells "
     "skipped,\n"
-    "bytes on the device), width, height, seed.\n"
+    "bytes on the device), denoised (whether the picture was smoothed; the error is the raw "
+    "one's), "
+    "width,\n"
+    "height, seed.\n"
     "The same engine, seed, size and samples give the same picture, bit by bit; --seconds depends "
     "on the\n"
     "machine.\n"
@@ -203,6 +206,9 @@ std::variant<Options, Farewell> parse(int argc, const char* const* argv) {
   app.add_option("--json", options.report, "report; - is standard output")
       ->type_name("FILE")
       ->check(check_folder_of, "");
+  app.add_flag(
+      "--denoise", options.denoise,
+      "smooth what is still noise, as the server does with the first pictures of a session");
   app.add_flag("--quiet", options.quiet, "no progress on standard error");
 
   try {

@@ -35,6 +35,7 @@ struct Options {
   Method method;
   std::string picture;  ///< .png, .exr or .ppm
   std::string report;   ///< JSON; "-" is standard output; empty: none
+  bool denoise = false;
   bool quiet = false;
 
   StopRule stop_rule() const;

@@ -89,9 +89,9 @@ TEST(RenderOptions, HelpNamesEveryOptionAndExitCode) {
   ASSERT_NE(farewell, nullptr);
   EXPECT_EQ(farewell->exit_code, 0);
   for (const char* word :
-       {"--scene", "--preset", "--size", "--samples", "--error", "--seconds", "--bounces",
-        "--engine", "--threads", "--seed", "--estimator", "--points", "--mis", "--out", "--json",
-        "--quiet", ".nrrd", "64", "73"}) {
+       {"--scene",  "--preset",  "--size",    "--samples",   "--error",  "--seconds", "--bounces",
+        "--engine", "--threads", "--seed",    "--estimator", "--points", "--mis",     "--out",
+        "--json",   "--quiet",   "--denoise", ".nrrd",       "64",       "73"}) {
     EXPECT_NE(farewell->text.find(word), std::string::npos) << word;
   }
 }

@@ -36,6 +36,7 @@ nlohmann::ordered_json kernel_json(const KernelReport& kernel) {
   };
   if (kernel.registers) json["registers"] = *kernel.registers;
   if (kernel.local_bytes) json["local_bytes"] = *kernel.local_bytes;
+  if (kernel.denoise_milliseconds) json["denoise_milliseconds"] = *kernel.denoise_milliseconds;
   if (!kernel.note.empty()) json["note"] = kernel.note;
   return json;
 }
@@ -57,6 +58,7 @@ std::string report_json(const Options& options, const Outcome& outcome) {
       {"features", outcome.features},
       {"left_out", left_out(outcome.features)},
       {"kernel", kernel_json(outcome.kernel)},
+      {"denoised", outcome.denoised},
       {"width", options.canvas.width},
       {"height", options.canvas.height},
       {"seed", options.seed},

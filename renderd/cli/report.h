@@ -16,6 +16,7 @@ struct Outcome {
   StopReason stopped_by = StopReason::kSamples;
   std::vector<std::string> features;
   KernelReport kernel;
+  bool denoised = false;
 };
 
 /// The JSON of `--json`; its keys are listed by `--help`. Holds nothing of the input but what the

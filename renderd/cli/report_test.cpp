@@ -24,6 +24,7 @@ TEST(Report, NamesEveryFeatureOnceAsCompiledInOrLeftOut) {
     EXPECT_NE(name, "area light");
   }
   EXPECT_EQ(json["stopped_by"], "seconds");
+  EXPECT_EQ(json["denoised"], false);
   EXPECT_TRUE(json["estimated_error"].is_null()) << "unknown below two samples";
 }
 

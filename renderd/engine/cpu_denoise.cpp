@@ -64,7 +64,8 @@ class CpuDenoiser {
       const PixelEstimate e = estimate_of(input_.film, i, input_.samples);
       const Smoothed m = to_be_smoothed(e, 1.0f / input_.white);
       const Guides g = unpack(input_.guides[i]);
-      const Steering s = steering_of(g, takes_part(input_.film, i, input_.samples, g));
+      const Steering s =
+          unpack_steering(pack(steering_of(g, takes_part(input_.film, i, input_.samples, g))));
       const float smooth[] = {m.mean.x, m.mean.y, m.mean.z, m.deviation};
       for (std::size_t c = 0; c < 4; ++c) raw_[c][i] = smooth[c];
       const float steer[] = {s.takes_part, s.opacity,  s.depth,    0.0f,       s.albedo.x,
@@ -113,9 +114,8 @@ class CpuDenoiser {
     }
   }
 
-  /// The mean of d^2 over a window: of one pixel it says next to nothing.
   void find_variance() {
-    constexpr std::uint32_t kReach = 3;
+    constexpr std::uint32_t kReach = kVarianceReach;
     Plane squares(pixels_), counts(pixels_);
     by_rows([&](std::uint32_t y) {
       for (std::uint32_t x = 0; x < width_; ++x) {
@@ -185,7 +185,7 @@ class CpuDenoiser {
       const Float3 raw = estimate_of(input_.film, i, input_.samples).mean;
       const Float3 shown = steering_[0][i] > 0
                                ? blended(raw, smoothed_at(from_, i).mean * input_.white,
-                                         share_of_filtered(gain_around(gains, x, y)))
+                                         input_.fade * share_of_filtered(gain_around(gains, x, y)))
                                : raw;
       out[3 * i] = shown.x;
       out[3 * i + 1] = shown.y;

@@ -18,6 +18,7 @@ struct DenoiseInput {
   std::uint64_t samples;  ///< per pixel, at least 1
   float white;            ///< of the picture (film/error.h)
   float voxel;            ///< mm
+  float fade = 1;         ///< denoiser_fade(), > 0
 };
 
 /// The picture's radiance, three a pixel, smoothed (film/denoise.h). The same bits whatever the

@@ -60,12 +60,13 @@ void CpuFilm::fold_guides() {
 
 std::vector<float> CpuFilm::denoised() {
   if (guides_.empty() || count_ == 0) return {};
-  if (!worth_denoising(error())) {
+  const float fade = denoiser_fade(error());
+  if (!(fade > 0)) {
     guides_ = {};
     guide_samples_ = {};
     return {};
   }
-  return denoise(pool_, {view(), guides_.data(), size_, count_, white(), voxel_});
+  return denoise(pool_, {view(), guides_.data(), size_, count_, white(), voxel_, fade});
 }
 
 bool CpuFilm::display_denoised(float scale, PictureRgb8& out) {

@@ -17,7 +17,7 @@ add_custom_command(OUTPUT cuda_kernel_sources.cpp
 
 # NVRTC itself is opened at run time: the header is all that is needed of it.
 diaphane_library(render_cuda
-  SOURCES cuda_acceleration.cpp cuda_acceleration_kernels.cu cuda_engine.cpp cuda_error.cpp cuda_exact_kernel.cu cuda_exact_kernels.cu cuda_film.cpp cuda_film_kernels.cu cuda_kernel_cache.cpp
+  SOURCES cuda_acceleration.cpp cuda_acceleration_kernels.cu cuda_denoise.cpp cuda_denoise_kernels.cu cuda_engine.cpp cuda_error.cpp cuda_exact_kernel.cu cuda_exact_kernels.cu cuda_film.cpp cuda_film_kernels.cu cuda_kernel_cache.cpp
           cuda_nvrtc.cpp cuda_renderer.cpp cuda_trace_kernel.cu cuda_variants.cpp cuda_volume.cpp
           ${CMAKE_CURRENT_BINARY_DIR}/cuda_kernel_sources.cpp
   PUBLIC common volume proto render_scene render_film render_kernel
@@ -32,7 +32,7 @@ diaphane_test(render_cuda_unit_test
   LIBS render_engine render_cuda CUDA::cudart_static)
 # One program, because a process needs half a second to start the device.
 diaphane_test(render_cuda_test
-  SOURCES cuda_acceleration_test.cpp cuda_against_cpu_test.cpp cuda_engine_test.cpp cuda_film_test.cpp
+  SOURCES cuda_acceleration_test.cpp cuda_against_cpu_test.cpp cuda_denoise_test.cpp cuda_engine_test.cpp cuda_film_test.cpp
           cuda_test_kernels.cu cuda_test_support.cpp cuda_variants_test.cpp
   LIBS render_cuda render_cpu render_texture_libraries CUDA::cudart_static
   LABELS gpu)

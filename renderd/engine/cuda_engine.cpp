@@ -32,11 +32,13 @@ class CudaEngine : public Engine {
                                                        Method method) override {
     auto ours = std::dynamic_pointer_cast<const cuda::CudaVolume>(std::move(volume));
     if (!ours) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
-    return cuda::CudaRenderer::make(std::move(ours), variants_, seed, first_sample, method);
+    return cuda::CudaRenderer::make(std::move(ours), variants_, denoisers_, seed, first_sample,
+                                    method);
   }
 
   EngineInfo info_;
   std::shared_ptr<cuda::VariantStore> variants_;
+  std::shared_ptr<cuda::DenoiserShare> denoisers_ = std::make_shared<cuda::DenoiserShare>();
 };
 
 }  // namespace

@@ -40,7 +40,13 @@ std::uint32_t CudaFilm::tile_count() const {
 
 std::uint64_t CudaFilm::device_bytes() const {
   return sum_.bytes() + difference_.bytes() + state_.bytes() + dropped_.bytes() +
-         by_stripe_.bytes() + counts_.bytes() + tiles_.bytes() + display_.bytes();
+         (guides_.data() == nullptr ? 0 : guides_.bytes()) + by_stripe_.bytes() + counts_.bytes() +
+         tiles_.bytes() + display_.bytes();
+}
+
+Result<void> CudaFilm::keep_guides(bool wanted) {
+  if (!wanted) guides_ = {};
+  return wanted ? allocate(guides_, pixels()) : Result<void>{};
 }
 
 Result<void> CudaFilm::clear(cudaStream_t stream) {
@@ -49,6 +55,9 @@ Result<void> CudaFilm::clear(cudaStream_t stream) {
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(difference_.data(), 0, difference_.bytes(), stream));
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(state_.data(), 0, state_.bytes(), stream));
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(dropped_.data(), 0, dropped_.bytes(), stream));
+  if (guides_.data() != nullptr) {
+    DIAPHANE_CUDA_TRY(cudaMemsetAsync(guides_.data(), 0, guides_.bytes(), stream));
+  }
   return {};
 }
 
@@ -74,18 +83,23 @@ Result<std::uint64_t> CudaFilm::dropped(cudaStream_t stream) const {
   return count;
 }
 
+Result<float> CudaFilm::white(const FilmPicture& film, cudaStream_t stream) const {
+  DIAPHANE_TRY(allocate(counts_, kWhiteBins));
+  DIAPHANE_CUDA_TRY(cudaMemsetAsync(counts_.data(), 0, counts_.bytes(), stream));
+  DIAPHANE_CUDA_TRY(white_histogram(film, counts_.data(), stream));
+  WhiteHistogram histogram;
+  DIAPHANE_TRY(download(histogram.counts, counts_, kWhiteBins, stream));
+  return white_from_histogram(histogram);
+}
+
 Result<double> CudaFilm::error(cudaStream_t stream) const {
   if (samples() < 2) return std::numeric_limits<double>::infinity();
-  DIAPHANE_TRY(allocate(counts_, kWhiteBins));
   DIAPHANE_TRY(allocate(tiles_, tile_count()));
   const auto film = picture(stream);
   if (!film) return tl::unexpected(film.error());
-  DIAPHANE_CUDA_TRY(cudaMemsetAsync(counts_.data(), 0, counts_.bytes(), stream));
-  DIAPHANE_CUDA_TRY(white_histogram(*film, counts_.data(), stream));
-  WhiteHistogram histogram;
-  DIAPHANE_TRY(download(histogram.counts, counts_, kWhiteBins, stream));
-  const float white = white_from_histogram(histogram);
-  DIAPHANE_CUDA_TRY(tile_errors(*film, 1.0f / white, tiles_.data(), stream));
+  const auto white_value = white(*film, stream);
+  if (!white_value) return tl::unexpected(white_value.error());
+  DIAPHANE_CUDA_TRY(tile_errors(*film, 1.0f / *white_value, tiles_.data(), stream));
   std::vector<TileError> tiles(tile_count());
   DIAPHANE_TRY(download(tiles.data(), tiles_, tiles.size(), stream));
   return total_error(tiles, samples());
@@ -110,6 +124,33 @@ Result<void> CudaFilm::radiance(float* rgb, cudaStream_t stream) const {
     DIAPHANE_TRY(download(rgb + 3 * first, *part, 3 * count, stream));
   }
   return {};
+}
+
+Result<DenoiseWork> CudaFilm::denoise_work(float voxel, float fade, cudaStream_t stream) const {
+  const auto film = picture(stream);
+  if (!film) return tl::unexpected(film.error());
+  const auto white_value = white(*film, stream);
+  if (!white_value) return tl::unexpected(white_value.error());
+  return DenoiseWork{*film, guides_.data(), *white_value, voxel, fade, {}};
+}
+
+Result<void> CudaFilm::display_denoised(CudaDenoiser& denoiser, float voxel, float fade,
+                                        float scale, std::uint8_t* rgb, cudaStream_t stream) const {
+  DIAPHANE_TRY(allocate(display_, 3 * pixels()));
+  const auto work = denoise_work(voxel, fade, stream);
+  if (!work) return tl::unexpected(work.error());
+  DIAPHANE_TRY(denoiser.run(*work, scale, display_.data(), nullptr, stream));
+  return download(rgb, display_, 3 * pixels(), stream);
+}
+
+Result<void> CudaFilm::radiance_denoised(CudaDenoiser& denoiser, float voxel, float fade,
+                                         float* rgb, cudaStream_t stream) const {
+  auto whole = DeviceBuffer<float>::of(3 * pixels());
+  if (!whole) return tl::unexpected(whole.error());
+  const auto work = denoise_work(voxel, fade, stream);
+  if (!work) return tl::unexpected(work.error());
+  DIAPHANE_TRY(denoiser.run(*work, 1.0f, nullptr, whole->data(), stream));
+  return download(rgb, *whole, 3 * pixels(), stream);
 }
 
 Result<void> CudaFilm::contents(std::uint8_t* met, cudaStream_t stream) const {

@@ -26,11 +26,12 @@ tl::unexpected<Error> no_scene() {
 
 Result<std::unique_ptr<FrameRenderer>> CudaRenderer::make(std::shared_ptr<const CudaVolume> volume,
                                                           std::shared_ptr<VariantStore> variants,
+                                                          std::shared_ptr<DenoiserShare> denoisers,
                                                           std::uint64_t seed,
                                                           std::uint64_t first_sample,
                                                           Method method) {
-  std::unique_ptr<CudaRenderer> renderer(
-      new CudaRenderer(std::move(volume), std::move(variants), seed, first_sample, method));
+  std::unique_ptr<CudaRenderer> renderer(new CudaRenderer(
+      std::move(volume), std::move(variants), std::move(denoisers), seed, first_sample, method));
   auto stream = Stream::make();
   if (!stream) return tl::unexpected(stream.error());
   renderer->stream_ = std::move(*stream);
@@ -149,13 +150,16 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   }
   if (film) film_ = std::move(film);
   DIAPHANE_TRY(upload_tables(*prepared));
+  // Without memory for guides the pictures are raw, no more.
+  if (!film_->keep_guides(guided_)) DIAPHANE_TRY(film_->keep_guides(false));
+  denoiser_ = film_->guides() == nullptr ? nullptr : denoisers_->take();
   DIAPHANE_TRY(film_->clear(stream_.get()));
   scene_ = scene;
   prepared_ = std::move(*prepared);
   prepared_.features = prepared_.features.with(
       Feature::kSteepExtinction, prepared_.matter && tables_.acceleration.steep(prepared_.spacing));
   DIAPHANE_TRY(prepare_exact());
-  variant_ = variants_->get(kernel(), prepared_.features);
+  choose_variants();
   launch_size_.forget();
   seconds_ = 0;
   dropped_ = 0;
@@ -222,8 +226,9 @@ Result<bool> CudaRenderer::trace_until(std::uint64_t target, const std::function
                         .film_sample = piece.film_sample,
                         .samples = piece.samples,
                         .lane_shift = lane_shift_for(piece.samples, kMostLaneShift)};
-    DIAPHANE_CUDA_TRY(
-        (exact_ ? trace_exact : trace)(*variant_, scene, stripe, film_->target(), stream_.get()));
+    const bool guided = guided_variant_ != nullptr && piece.film_sample < kGuidedSamples;
+    DIAPHANE_CUDA_TRY((exact_ ? trace_exact : trace)(guided ? *guided_variant_ : *variant_, scene,
+                                                     stripe, film_->target(), stream_.get()));
     film_->done(piece, rows);
     DIAPHANE_TRY(note_launch(flight, std::uint64_t{canvas.width} * rows * stripe.samples));
   }
@@ -236,7 +241,7 @@ Result<Batch> CudaRenderer::render(std::uint32_t samples, const std::function<bo
   Batch batch;
   Flight flight;
   // The scene's own kernel may be ready by now; from the first sample on it is too late.
-  if (film_->empty()) variant_ = variants_->get(kernel(), prepared_.features);
+  if (film_->empty()) choose_variants();
   DIAPHANE_CUDA_TRY(cudaEventRecord(events_[0].get(), stream_.get()));
   const std::uint64_t before = film_->samples();
   const auto whole = trace_until(before + samples, stop, flight);
@@ -282,6 +287,52 @@ Result<void> CudaRenderer::radiance(PictureRgbF& out) {
   return film_->radiance(out.pixels.data(), stream_.get());
 }
 
+void CudaRenderer::choose_variants() {
+  variant_ = variants_->get(kernel(), prepared_.features);
+  guided_variant_ = film_->guides() == nullptr
+                        ? nullptr
+                        : variants_->get(kernel(), prepared_.features.with(Feature::kGuides));
+}
+
+float CudaRenderer::fade() {
+  if (film_->guides() == nullptr || film_->samples() == 0) return 0;
+  const float fade = denoiser_fade(progress().error);
+  if (!(fade > 0)) {
+    // Nothing may write them any more.
+    guided_variant_ = nullptr;
+    denoiser_ = nullptr;
+    if (cudaStreamSynchronize(stream_.get()) == cudaSuccess) (void)film_->keep_guides(false);
+  }
+  return fade;
+}
+
+Result<bool> CudaRenderer::display_denoised(PictureRgb8& out) {
+  if (!film_) return no_scene();
+  const float f = fade();
+  if (!(f > 0)) return display(out).map([] { return false; });
+  const Float3 s = prepared_.spacing;
+  out.size = film_->canvas();
+  out.pixels.resize(3 * film_->pixels());
+  const auto done =
+      film_->display_denoised(*denoiser_, larger(s.x, larger(s.y, s.z)), f,
+                              prepared_.exposure_scale, out.pixels.data(), stream_.get());
+  if (done) return true;
+  if (done.error().code != ErrorCode::kOutOfMemory) return tl::unexpected(done.error());
+  return display(out).map([] { return false; });
+}
+
+Result<bool> CudaRenderer::radiance_denoised(PictureRgbF& out) {
+  if (!film_) return no_scene();
+  const float f = fade();
+  if (!(f > 0)) return radiance(out).map([] { return false; });
+  const Float3 s = prepared_.spacing;
+  out.size = film_->canvas();
+  out.pixels.resize(3 * film_->pixels());
+  DIAPHANE_TRY(film_->radiance_denoised(*denoiser_, larger(s.x, larger(s.y, s.z)), f,
+                                        out.pixels.data(), stream_.get()));
+  return true;
+}
+
 Result<void> CudaRenderer::contents(std::vector<std::uint8_t>& out) {
   if (!film_) return no_scene();
   out.resize(film_->pixels());
@@ -310,6 +361,9 @@ KernelReport CudaRenderer::report() const {
   report.volume_bytes = volume_->device_bytes();
   report.acceleration_bytes = tables_.acceleration.device_bytes();
   report.film_bytes = film_->device_bytes();
+  if (denoiser_ && denoiser_->last_milliseconds() > 0) {
+    report.denoise_milliseconds = denoiser_->last_milliseconds();
+  }
   return report;
 }
 

@@ -21,6 +21,7 @@ class CudaRenderer : public FrameRenderer {
  public:
   static Result<std::unique_ptr<FrameRenderer>> make(std::shared_ptr<const CudaVolume> volume,
                                                      std::shared_ptr<VariantStore> variants,
+                                                     std::shared_ptr<DenoiserShare> denoisers,
                                                      std::uint64_t seed, std::uint64_t first_sample,
                                                      Method method);
   /// Waits for what the stream still does: it writes into memory of this renderer.
@@ -32,6 +33,9 @@ class CudaRenderer : public FrameRenderer {
   Result<void> display(PictureRgb8& out) override;
   Result<void> radiance(PictureRgbF& out) override;
   Result<void> contents(std::vector<std::uint8_t>& out) override;
+  void prepare_denoising(bool wanted) override { guided_ = wanted; }
+  Result<bool> display_denoised(PictureRgb8& out) override;
+  Result<bool> radiance_denoised(PictureRgbF& out) override;
   std::vector<std::string> features() const override;
   KernelReport report() const override;
 
@@ -60,9 +64,11 @@ class CudaRenderer : public FrameRenderer {
   };
 
   CudaRenderer(std::shared_ptr<const CudaVolume> volume, std::shared_ptr<VariantStore> variants,
-               std::uint64_t seed, std::uint64_t first_sample, Method method)
+               std::shared_ptr<DenoiserShare> denoisers, std::uint64_t seed,
+               std::uint64_t first_sample, Method method)
       : volume_(std::move(volume)),
         variants_(std::move(variants)),
+        denoisers_(std::move(denoisers)),
         seed_(seed),
         first_sample_(first_sample),
         method_(method) {}
@@ -77,9 +83,16 @@ class CudaRenderer : public FrameRenderer {
   /// Traces until every pixel has `target` samples; false when stopped before.
   Result<bool> trace_until(std::uint64_t target, const std::function<bool()>& stop, Flight& flight);
   Result<void> note_launch(Flight& flight, std::uint64_t work);
+  /// The kernels for this scene, of the first samples and of those after.
+  void choose_variants();
+  /// How far the picture is smoothed now; 0: not, and then for good: the guides are freed.
+  float fade();
 
   std::shared_ptr<const CudaVolume> volume_;
   std::shared_ptr<VariantStore> variants_;
+  std::shared_ptr<DenoiserShare> denoisers_;
+  std::shared_ptr<CudaDenoiser> denoiser_;  ///< while this picture may be smoothed
+  bool guided_ = false;
   std::uint64_t seed_;
   std::uint64_t first_sample_;
   Method method_;
@@ -94,6 +107,7 @@ class CudaRenderer : public FrameRenderer {
   std::shared_ptr<const PreparedTransfer> exact_of_;  ///< what its tables were made of
   /// Kept while the picture has samples: two kernels give the same estimate, not the same bits.
   std::shared_ptr<const Variant> variant_;
+  std::shared_ptr<const Variant> guided_variant_;  ///< of the first kGuidedSamples, with guides
   LaunchSize launch_size_;
   double seconds_ = 0;
   std::uint64_t dropped_ = 0;

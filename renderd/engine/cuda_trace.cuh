@@ -33,6 +33,26 @@ __device__ __forceinline__ void join_lanes(PixelBatch& batch, std::uint32_t lane
   }
 }
 
+__device__ __forceinline__ void join_lanes(Guides& guides, std::uint32_t lanes) {
+  for (std::uint32_t offset = 1; offset < lanes; offset <<= 1) {
+    const auto other = [offset](float value) { return __shfl_xor_sync(~0u, value, offset); };
+    guides += Guides{other(guides.opacity),
+                     other(guides.depth),
+                     {other(guides.albedo.x), other(guides.albedo.y), other(guides.albedo.z)},
+                     {other(guides.normal.x), other(guides.normal.y), other(guides.normal.z)}};
+  }
+}
+
+/// Adds the guides of a launch's samples to the film's; one thread a pixel.
+__device__ __forceinline__ void add_guides(const TraceTarget& target, std::uint64_t pixel,
+                                           const Stripe& stripe, const Guides& sum) {
+  if (target.guides == nullptr || stripe.film_sample >= kGuidedSamples) return;
+  const auto before = static_cast<std::uint32_t>(stripe.film_sample);
+  const std::uint32_t left = static_cast<std::uint32_t>(kGuidedSamples) - before;
+  target.guides[pixel] =
+      with_samples(target.guides[pixel], before, sum, smaller(left, stripe.samples));
+}
+
 /// Adds a pixel's batch to the film; one thread a pixel.
 __device__ __forceinline__ void add_batch(const TraceTarget& target, std::uint64_t pixel,
                                           const PixelBatch& batch) {
@@ -60,15 +80,23 @@ __global__ void __launch_bounds__(kTraceBlock, kTraceBlocks)
   const std::uint32_t y = stripe.first_row + blockIdx.y * tile.height + compact_bits(morton >> 1);
   const bool inside = x < scene.width && y < scene.height;
 
+  constexpr bool kGuided = Features{Bits}.has(Feature::kGuides);
   PixelBatch batch;
+  [[maybe_unused]] Guides guides{};
   if (inside) {
     for (std::uint32_t s = lane; s < stripe.samples; s += lanes) {
-      const Sample sample = estimate<Features{Bits}>(scene, x, y, stripe.film_sample + s);
+      const auto sample = estimate<Features{Bits}>(scene, x, y, stripe.film_sample + s);
+      if constexpr (kGuided) guides += sample.guides;
       batch.add(sample.radiance, sample.met_matter, stripe.film_sample + s, sample.shows_slice);
     }
   }
   join_lanes(batch, lanes);  // by whole warps: threads outside the picture take part
-  if (inside && lane == 0) add_batch(target, x + std::uint64_t{scene.width} * y, batch);
+  if constexpr (kGuided) join_lanes(guides, lanes);
+  if (inside && lane == 0) {
+    const std::uint64_t pixel = x + std::uint64_t{scene.width} * y;
+    add_batch(target, pixel, batch);
+    if constexpr (kGuided) add_guides(target, pixel, stripe, guides);
+  }
 }
 
 }  // namespace diaphane::render::cuda

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "renderd/film/film.h"
+#include "renderd/film/guides.h"
 #include "renderd/kernel/views.h"
 
 // What host and trace kernels hand each other; compiled by the C++ compiler, nvcc and NVRTC.
@@ -47,7 +48,8 @@ inline constexpr std::uint32_t kTraceBlock = 128;   ///< threads
 /// Where a trace kernel adds what it finds.
 struct TraceTarget {
   FilmView film;
-  std::uint64_t* dropped;  ///< samples that were not finite
+  std::uint64_t* dropped;          ///< samples that were not finite
+  PackedGuides* guides = nullptr;  ///< means, by a kernel with Feature::kGuides; null: not kept
 };
 
 /// The part of a block in the picture: 2^(7 - lane_shift) pixels.

@@ -31,6 +31,8 @@ struct KernelReport {
   /// Of a GPU's kernel: registers a thread, and bytes a thread that do not fit into them.
   std::optional<int> registers;
   std::optional<std::uint64_t> local_bytes;
+  /// The denoiser's kernels for the last picture, on the device's clock; nothing where none ran.
+  std::optional<double> denoise_milliseconds;
   double empty_cells = 0;  ///< share of the macrocells that are skipped as empty
   std::uint64_t volume_bytes = 0, acceleration_bytes = 0, film_bytes = 0;  ///< on the device
   std::string note;  ///< why no kernel was compiled though one should have been

@@ -24,6 +24,10 @@ namespace diaphane::render {
 inline constexpr std::uint32_t kDenoisePasses = 4;
 inline constexpr std::int32_t kDenoiseReach = 2;
 
+/// The variance is the mean of d^2 over so many pixels each way: of one pixel it says next to
+/// nothing.
+inline constexpr std::int32_t kVarianceReach = 3;
+
 /// Along one axis, by distance: the B3 spline.
 HOST_DEVICE float spline_weight(std::int32_t tap) {
   constexpr float kWeights[] = {3.0f / 8.0f, 1.0f / 4.0f, 1.0f / 16.0f};
@@ -73,6 +77,16 @@ HOST_DEVICE Steering steering_of(const Guides& g, bool takes_part) {
   s.albedo = g.albedo;
   s.normal = g.normal;
   return s;
+}
+
+/// 16 bytes; what takes no part has a negative opacity. Both engines steer by the packed numbers.
+HOST_DEVICE PackedGuides pack(const Steering& s) {
+  return pack(Guides{s.takes_part > 0.0f ? s.opacity : -1.0f, s.depth, s.albedo, s.normal});
+}
+HOST_DEVICE Steering unpack_steering(const PackedGuides& p) {
+  const Guides g = unpack(p);
+  const bool part = g.opacity >= 0.0f;
+  return {part ? 1.0f : 0.0f, part ? g.opacity : 0.0f, g.depth, g.albedo, g.normal};
 }
 
 /// About exp(-x) for x >= 0; 0 from 8 on.
@@ -187,9 +201,20 @@ HOST_DEVICE Float3 blended(Float3 raw, Float3 filtered, float share) {
   return raw + (filtered - raw) * share;
 }
 
-/// Whether a picture of this estimated error (film/error.h; infinite when unknown) is smoothed at
-/// all: an error of half a level of the display needs none.
-HOST_DEVICE bool worth_denoising(double error) { return error > 0.002; }
+/// A picture whose estimated error (film/error.h) is at most this is raw: a session that converges
+/// ends with it.
+inline constexpr double kNeverDenoised = 0.01;
+/// Above it the filter is trusted as far as it gains; in between less and less, so that no step is
+/// seen.
+inline constexpr double kFullyDenoised = 0.03;
+
+/// What the share of the filtered picture is multiplied by. `error`: of the raw picture, infinite
+/// when unknown. Squared errors are convex in the share, so that less of it is never worse than
+/// both the raw and the best.
+inline float denoiser_fade(double error) {
+  const double x = (error - kNeverDenoised) / (kFullyDenoised - kNeverDenoised);
+  return static_cast<float>(x > 1 ? 1 : x > 0 ? x : 0);
+}
 
 /// Whether a pixel is smoothed and smooths others: something is seen through it, no slice, and a
 /// sample of it was good.

@@ -21,13 +21,20 @@ HOST_DEVICE std::uint16_t to_half(float x) {
   return static_cast<std::uint16_t>(sign | ((rounded - 0x38000000u) >> 13));
 }
 
+/// Of what to_half() gave.
 HOST_DEVICE float from_half(std::uint16_t half) {
+#if defined(__CUDA_ARCH__)
+  float f;
+  asm("cvt.f32.f16 %0, %1;" : "=f"(f) : "h"(half));
+  return f;
+#else
   union Bits {
     std::uint32_t u;
     float f;
   } b{(half & 0x7fffu) == 0 ? 0u : ((half & 0x7fffu) << 13) + 0x38000000u};
   b.u |= (half & 0x8000u) << 16;
   return b.f;
+#endif
 }
 
 }  // namespace diaphane::render

@@ -76,6 +76,10 @@ class FakeRenderer final : public FrameRenderer {
   Result<void> contents(std::vector<std::uint8_t>&) override {
     return fail(ErrorCode::kUnsupported, "not by the fake");
   }
+  void prepare_denoising(bool wanted) override { guided_ = wanted; }
+  Result<bool> display_denoised(PictureRgb8& out) override {
+    return display(out).map([this] { return guided_; });
+  }
   std::vector<std::string> features() const override { return {}; }
 
  private:
@@ -84,6 +88,7 @@ class FakeRenderer final : public FrameRenderer {
   Canvas canvas_;
   Progress progress_;
   std::uint8_t shade_ = 0;
+  bool guided_ = false;
 };
 
 class FakeDeviceVolume final : public DeviceVolume {

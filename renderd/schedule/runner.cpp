@@ -247,6 +247,7 @@ void Runner::apply_wanted(Track& track) {
     track.planned = track.canvas;
     track.client->refused(track.wanted, why);
   };
+  track.renderer->prepare_denoising(!track.wanted.raw);
   auto taken = track.renderer->set_scene(*track.wanted.scene, track.planned);
   if (!taken) return refused(taken.error());
   track.applied_version = track.wanted.version;
@@ -298,9 +299,11 @@ void Runner::emit_if_due(Track& track, Time now) {
   if (!should_emit(question)) return;
 
   RenderedPicture rendered;
-  if (const auto shown = track.renderer->display(rendered.picture); !shown) {
-    return drop(track, shown.error());
-  }
+  // The last picture is what the samples say and nothing else.
+  const Result<bool> shown =
+      question.converged ? track.renderer->display(rendered.picture).map([] { return false; })
+                         : track.renderer->display_denoised(rendered.picture);
+  if (!shown) return drop(track, shown.error());
   rendered.info.epoch = track.epoch;
   // An update that changed nothing is answered by the same picture under its own number.
   rendered.info.input_seq = track.stale() ? track.input_seq : track.wanted.input_seq;
@@ -310,6 +313,7 @@ void Runner::emit_if_due(Track& track, Time now) {
   rendered.info.first_of_epoch = track.samples_shown == 0;
   rendered.info.moving = track.moving;
   rendered.info.converged = question.converged;
+  rendered.info.denoised = *shown;
   track.samples_shown = track.progress.samples;
   track.shown_moving = track.moving;
   track.shown_at = now;

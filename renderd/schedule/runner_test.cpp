@@ -346,5 +346,19 @@ TEST_F(RunnerTest, ALostDeviceIsTold) {
   EXPECT_EQ(one->failure_count(), 1U);
 }
 
+/// The label of a picture is true: the first are smoothed and say so, the last never is.
+TEST_F(RunnerTest, TheFirstPicturesAreLabelledAsSmoothedAndTheLastIsRaw) {
+  auto viewing = viewer();
+  ASSERT_TRUE(eventually([&] {
+    const auto pictures = viewing->pictures();
+    return !pictures.empty() && pictures.back().info.converged;
+  }));
+  const auto pictures = viewing->pictures();
+  EXPECT_TRUE(pictures.front().info.denoised);
+  for (const RenderedPicture& picture : pictures) {
+    EXPECT_EQ(picture.info.denoised, !picture.info.converged) << picture.info.samples;
+  }
+}
+
 }  // namespace
 }  // namespace diaphane::render

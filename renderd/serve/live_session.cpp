@@ -245,6 +245,7 @@ void LiveSession::coded(const FrameInfo& frame, Canvas size, CodedFrame data, do
       out.set_error(frame.error);
       out.set_width(size.width);
       out.set_height(size.height);
+      out.set_denoised(frame.denoised);
       out.set_render_us(frame.render_us);
       out.set_encode_us(static_cast<std::uint64_t>(seconds * 1e6));
       out.set_data(std::move(data.data));

@@ -83,6 +83,8 @@ Outcome receive_scene(SessionState& state, const v1::SceneUpdate& update, TimePo
     }
   }
   state.wanted.viewport = viewport;
+  changed = changed || state.wanted.raw != update.raw();
+  state.wanted.raw = update.raw();
   if (changed) {
     ++state.wanted.version;
   } else {

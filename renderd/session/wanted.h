@@ -17,6 +17,7 @@ struct Wanted {
   std::chrono::steady_clock::time_point last_input{};
   bool visible = true;
   bool room = true;            ///< its slot before the encoder is free and the viewer keeps up
+  bool raw = false;            ///< no denoiser
   bool picture_again = false;  ///< a picture is due although nothing changed
 };
 
@@ -30,6 +31,7 @@ struct FrameInfo {
   bool first_of_epoch = false;
   bool moving = false;     ///< code it for speed, not for quality
   bool converged = false;  ///< the last of its epoch
+  bool denoised = false;
 };
 
 struct RenderedPicture {

@@ -198,6 +198,8 @@ export const t = {
     plot: "Error against time, both logarithmic",
     finished: "Finished",
     refining: "Getting finer",
+    smoothed: "Smoothed",
+    smoothed_help: "The first pictures are smoothed, because they are still noise. The finished one never is.",
     seconds: (s: number) => (s < 1 ? `${(s * 1000).toFixed(0)} ms` : s < 100 ? `${s.toFixed(1)} s` : `${(s / 60).toFixed(1)} min`),
     percent: (error: number) => `${(100 * error).toPrecision(2)} %`,
     orientation: (side: string) => `Seen from ${side}`,

@@ -35,6 +35,8 @@ export interface PictureFacts {
   readonly seconds: number;
   readonly width: number;
   readonly height: number;
+  /** The server's denoiser had a part in it: nearer to the finished picture than `error` says. */
+  readonly smoothed: boolean;
 }
 
 export interface ErrorPoint {
@@ -220,6 +222,7 @@ export class ViewerSession {
       seconds: Number(frame.renderUs) / 1e6,
       width: frame.width,
       height: frame.height,
+      smoothed: frame.denoised,
     };
     this.picture.value = facts;
     const fresh = before?.epoch !== facts.epoch || before.samples > facts.samples;

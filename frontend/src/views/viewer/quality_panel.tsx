@@ -33,8 +33,12 @@ export function QualityPanel({ session }: { readonly session: ViewerSession }) {
     <section class="glass quality" aria-label={t.viewer.quality}>
       <div class="quality-head">
         <h2>{t.viewer.quality}</h2>
-        <span class={`chip${session.converged.value ? " chip-good" : ""}`}>
-          {session.converged.value ? t.viewer.finished : t.viewer.refining}
+        <span
+          class={`chip${session.converged.value ? " chip-good" : ""}`}
+          data-fact="state"
+          title={facts.smoothed && !session.converged.value ? t.viewer.smoothed_help : undefined}
+        >
+          {session.converged.value ? t.viewer.finished : facts.smoothed ? t.viewer.smoothed : t.viewer.refining}
         </span>
         <button type="button" class="icon-button" aria-label={t.close} title={t.close} aria-expanded onClick={toggle}><Icon name="close" /></button>
       </div>

@@ -1,0 +1,60 @@
+#include "renderd/engine/cuda_denoise.h"
+
+namespace diaphane::render::cuda {
+namespace {
+
+template <typename T>
+Result<void> enlarge(DeviceBuffer<T>& buffer, std::uint64_t count) {
+  if (buffer.data() != nullptr && buffer.capacity() >= count) return {};
+  buffer = {};  // first what is there: both at a time may not fit
+  auto made = DeviceBuffer<T>::of(count);
+  if (!made) return tl::unexpected(made.error());
+  buffer = std::move(*made);
+  return {};
+}
+
+}  // namespace
+
+Result<void> CudaDenoiser::grow(std::uint64_t pixels, std::uint64_t tiles) {
+  DIAPHANE_TRY(enlarge(raw_, pixels));
+  DIAPHANE_TRY(enlarge(from_, pixels));
+  DIAPHANE_TRY(enlarge(to_, pixels));
+  DIAPHANE_TRY(enlarge(variance_, pixels));
+  DIAPHANE_TRY(enlarge(from_variance_, pixels));
+  DIAPHANE_TRY(enlarge(to_variance_, pixels));
+  DIAPHANE_TRY(enlarge(slope_, pixels));
+  DIAPHANE_TRY(enlarge(steering_, pixels));
+  DIAPHANE_TRY(enlarge(gains_, tiles));
+  for (std::optional<Event>* event : {&begin_, &end_}) {
+    if (*event) continue;
+    auto made = Event::make();
+    if (!made) return tl::unexpected(made.error());
+    *event = std::move(*made);
+  }
+  return {};
+}
+
+Result<void> CudaDenoiser::run(DenoiseWork w, float scale, std::uint8_t* rgb, float* radiance,
+                               cudaStream_t stream) {
+  const std::lock_guard lock(mutex_);
+  const auto tiles = [](std::uint32_t length) { return (length + kGainTile - 1) / kGainTile; };
+  const std::uint32_t width = w.picture.width, height = w.picture.height;
+  DIAPHANE_TRY(grow(std::uint64_t{width} * height, std::uint64_t{tiles(width)} * tiles(height)));
+  w.buffers = {raw_.data(),      from_.data(),          to_.data(),
+               variance_.data(), from_variance_.data(), to_variance_.data(),
+               steering_.data(), slope_.data(),         gains_.data()};
+  DIAPHANE_CUDA_TRY(cudaEventRecord(begin_->get(), stream));
+  DIAPHANE_CUDA_TRY(denoise(w, scale, rgb, radiance, stream));
+  DIAPHANE_CUDA_TRY(cudaEventRecord(end_->get(), stream));
+  // Whoever comes next may use the memory on another stream.
+  DIAPHANE_CUDA_TRY(cudaEventSynchronize(end_->get()));
+  DIAPHANE_CUDA_TRY(cudaEventElapsedTime(&milliseconds_, begin_->get(), end_->get()));
+  return {};
+}
+
+double CudaDenoiser::last_milliseconds() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<double>(milliseconds_);
+}
+
+}  // namespace diaphane::render::cuda
