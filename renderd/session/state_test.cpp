@@ -354,5 +354,22 @@ TEST_F(StateTest, AnAttachedViewerStartsWithAFrameOfWhatThereIs) {
   EXPECT_EQ(depart(state, frame(5, false), now).seq, 1U);
 }
 
+/// The switch of the denoiser changes the picture, so it is a new version of what is wanted.
+TEST(SessionState, RawPicturesAreWantedOnlyWhereAskedFor) {
+  SessionState state;
+  const TimePoint now{};
+  attach(state, now);
+  ASSERT_FALSE(receive(state, hello(), now).problem);
+  ASSERT_FALSE(receive(state, turned(1), now).problem);
+  EXPECT_FALSE(state.wanted.raw);
+  const std::uint64_t version = state.wanted.version;
+  v1::ClientMessage raw = turned(1);
+  raw.mutable_scene()->set_input_seq(2);
+  raw.mutable_scene()->set_raw(true);
+  ASSERT_FALSE(receive(state, raw, now).problem);
+  EXPECT_TRUE(state.wanted.raw);
+  EXPECT_EQ(state.wanted.version, version + 1);
+}
+
 }  // namespace
 }  // namespace diaphane::render
