@@ -29,7 +29,6 @@ __device__ __forceinline__ void join_lanes(PixelBatch& batch, std::uint32_t lane
     batch.dropped_odd += other(batch.dropped_odd);
     batch.met_matter |= other(static_cast<std::uint32_t>(batch.met_matter)) != 0;
     batch.met_slice |= other(static_cast<std::uint32_t>(batch.met_slice)) != 0;
-    batch.met_slice |= other(static_cast<std::uint32_t>(batch.met_slice)) != 0;
   }
 }
 

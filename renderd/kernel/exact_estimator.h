@@ -124,6 +124,8 @@ HOST_DEVICE SampleOf<F> exact_estimate(const SceneView<Volume>& scene, std::uint
         radiance += task.weight * walk.transmittance();
       });
   result.met_matter |= first.met_matter;
+  // Less than half a level of the display is not seen of it.
+  result.shows_slice &= first.transmittance > 0.5f / 255.0f;
   result.radiance = radiance + sample.sight.behind * first.transmittance;
   return result;
 }
