@@ -142,6 +142,7 @@ __global__ void __launch_bounds__(kTraceBlock, DIAPHANE_EXACT_BLOCKS)
   const bool inside = x < scene.width && y < scene.height;
 
   PixelBatch batch;
+  [[maybe_unused]] Guides guides{};
   for (std::uint32_t s = 0; s < stripe.samples; ++s) {
     const std::uint64_t number = stripe.film_sample + s;
     for (int i = 0; i < strata; ++i) slots.x[32 * i + static_cast<int>(lane)] = -1.0f;
@@ -149,6 +150,9 @@ __global__ void __launch_bounds__(kTraceBlock, DIAPHANE_EXACT_BLOCKS)
     if (inside) {
       const CameraSample<kF, TextureVolume> ray(scene, x, y, number);
       put_ray(rays, static_cast<int>(lane), ray.camera.ray);
+      if constexpr (kF.has(Feature::kGuides)) {
+        if (number < kGuidedSamples) guides += guides_along(scene, ray.camera.ray, ray.sight.span);
+      }
       float transmittance = 1.0f;
       if (ray.sight.span.begin < ray.sight.span.end) {
         const FirstWalk first =
@@ -162,7 +166,8 @@ __global__ void __launch_bounds__(kTraceBlock, DIAPHANE_EXACT_BLOCKS)
         sample.met_matter = first.met_matter;
       }
       sample.met_matter |= ray.sight.slice;
-      sample.shows_slice = ray.sight.slice;
+      // Less than half a level of the display is not seen of it.
+      sample.shows_slice = ray.sight.slice && transmittance > 0.5f / 255.0f;
       sample.radiance = ray.sight.behind * transmittance;
     }
     __syncwarp();
@@ -175,7 +180,10 @@ __global__ void __launch_bounds__(kTraceBlock, DIAPHANE_EXACT_BLOCKS)
     }
     __syncwarp();
   }
-  if (inside) add_batch(target, x + std::uint64_t{scene.width} * y, batch);
+  if (!inside) return;
+  const std::uint64_t pixel = x + std::uint64_t{scene.width} * y;
+  add_batch(target, pixel, batch);
+  if constexpr (kF.has(Feature::kGuides)) add_guides(target, pixel, stripe, guides);
 }
 
 }  // namespace diaphane::render::cuda
