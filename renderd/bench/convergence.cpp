@@ -44,13 +44,24 @@ double root_mean_square(const std::vector<double>& values) {
   return std::sqrt(squared / static_cast<double>(values.size()));
 }
 
-Result<void> warm_up(FrameRenderer& renderer, double seconds) {
+/// On CUDA also until the kernel for this scene is compiled, where another stands in for it so
+/// long: it is taken into use when a picture is begun. Where kernels are chosen otherwise it never
+/// comes.
+Result<void> warm_up(FrameRenderer& renderer, const Subject& subject, double seconds) {
+  constexpr double kLongestCompilation = 15;
+  const bool compiles = subject.engine->info().engine == "cuda" && seconds > 0;
   const auto begin = Clock::now();
+  const auto compiling = [&] {
+    const KernelReport report = renderer.report();
+    return compiles && report.origin != KernelOrigin::kForThisScene && report.note.empty() &&
+           seconds_since(begin) < kLongestCompilation;
+  };
   do {
+    if (auto set = renderer.set_scene(subject.scene, subject.canvas); !set) return set;
     if (auto batch = renderer.render(1, [] { return false; }); !batch) {
       return tl::unexpected(batch.error());
     }
-  } while (seconds_since(begin) < seconds);
+  } while (seconds_since(begin) < seconds || compiling());
   return {};
 }
 
@@ -121,7 +132,8 @@ Result<void> measure(const Subject& subject, const ConvergenceWish& wish,
   for (std::uint32_t repeat = 0; repeat < wish.repeats; ++repeat) {
     auto renderer = renderer_of(subject, 1 + repeat, curve.method);
     if (!renderer) return tl::unexpected(renderer.error());
-    if (auto warm = warm_up(**renderer, repeat == 0 ? wish.warm_up : 0); !warm) return warm;
+    if (auto warm = warm_up(**renderer, subject, repeat == 0 ? wish.warm_up : 0); !warm)
+      return warm;
     std::size_t power = 0;
     for (std::uint32_t n = 1; n <= wish.most; n *= 2, ++power) {
       auto shot = shoot(**renderer, subject, n, reference);
@@ -130,6 +142,7 @@ Result<void> measure(const Subject& subject, const ConvergenceWish& wish,
       shots[power].push_back(*shot);
     }
     curve.features = (*renderer)->features();
+    curve.kernel = name_of((*renderer)->report().origin);
   }
   for (std::size_t power = 0; power < shots.size(); ++power) {
     curve.points.push_back(summarise(1u << power, shots[power], reference));
@@ -155,7 +168,7 @@ Result<Convergence> measure_convergence(const Subject& subject, const Convergenc
   // How good the reference must be follows from what it is to judge.
   double smallest = std::numeric_limits<double>::infinity();
   for (const Method& method : wish.methods) {
-    Curve curve{method, {}, {}, {}};
+    Curve curve{method, {}, {}, {}, {}};
     const auto error = smallest_error(subject, wish, method);
     if (error) {
       if (usable(*error)) smallest = std::min(smallest, *error);
@@ -166,7 +179,8 @@ Result<Convergence> measure_convergence(const Subject& subject, const Convergenc
     }
     result.curves.push_back(std::move(curve));
   }
-  const double wanted = std::isfinite(smallest) ? wish.reference_share * smallest : 0.0;
+  // Infinity where there is nothing to judge: the first piece will do.
+  const double wanted = wish.reference_share * smallest;
   say(in_words("smallest estimated error %.3g: reference to %.3g", smallest, wanted));
   auto reference = reference_of(
       subject, {wanted, wish.reference_seconds, wish.cache, wish.fresh, [&](const Reference& r) {

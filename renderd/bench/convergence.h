@@ -39,6 +39,7 @@ struct Crossing {
 struct Curve {
   Method method;
   std::vector<std::string> features;
+  std::string kernel;  ///< where it came from
   std::vector<CurvePoint> points;
   std::optional<std::string> left_out;  ///< why this choice does not exist here
 };

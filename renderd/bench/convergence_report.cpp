@@ -77,6 +77,7 @@ Json json_of(const ReportHead& head, const Curve& curve) {
     return json;
   }
   json["features"] = curve.features;
+  json["kernel"] = curve.kernel;
   json["slope"] = number(slope(curve, &CurvePoint::rmse, head.slope_from));
   json["slope_of_estimate"] = number(slope(curve, &CurvePoint::estimate, head.slope_from));
   json["to_target"] = json_of(crossing(curve, head.target));

@@ -13,7 +13,7 @@ struct ReportHead {
   unsigned devices = 1;
   std::uint32_t repeats = 0;
   double target = 0.05;           ///< the error to which time is given
-  std::uint32_t slope_from = 16;  ///< samples: below, clipping and sparse contents bend the line
+  std::uint32_t slope_from = 32;  ///< samples: below, clipping and sparse contents bend the line
 };
 
 /// "exact walk, low-discrepancy points": what a curve is called.
