@@ -40,6 +40,7 @@ struct Settings {
   std::size_t slots = 0;
   double max_error = 0;
   std::uint64_t volume_bytes = 0;
+  EngineOptions options;
 };
 
 Settings read_settings(ConfigReader& in) {
@@ -76,6 +77,16 @@ Settings read_settings(ConfigReader& in) {
           in.integer("volume-memory-mb", "loaded volumes at most; 0: half of the device's memory",
                      0, 1 << 22, 0))
       << 20;
+  const std::string kernels =
+      in.one_of("kernels",
+                "of the CUDA engine: which are compiled for a scene, and whether it waits for them",
+                {"exact", "stand-in", "ahead-of-time", "general"}, "stand-in");
+  settings.options.kernels = kernel_choice(kernels).value_or(KernelChoice::kStandIn);
+  settings.options.kernel_cache = in.text(
+      "kernel-cache", "directory for compiled kernels; empty: none", default_kernel_cache());
+  settings.options.lean_memory =
+      in.one_of("lean-memory", "1: at most 5% of device memory beside a volume's voxels",
+                {"0", "1"}, "0") == "1";
   return settings;
 }
 
@@ -105,7 +116,7 @@ int run(int argc, char** argv) {
   log::start("renderd");
   service::StopSignal stop;
 
-  auto engine = make_engine(settings.engine, settings.threads);
+  auto engine = make_engine(settings.engine, settings.threads, settings.options);
   if (!engine) {
     std::fprintf(stderr, "--engine: %s\n", engine.error().message.c_str());
     return kExitConfig;

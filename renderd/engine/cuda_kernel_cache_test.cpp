@@ -87,14 +87,14 @@ TEST_F(KernelCacheTest, KeepsABoundedNumber) {
 TEST_F(KernelCacheTest, WritersAtOnceLeaveAWholeFile) {
   {
     std::vector<std::jthread> threads;
-    for (int i = 0; i < 8; ++i) {
-      threads.emplace_back([this] {
+    for (int i = 0; i < 4; ++i) {
+      threads.emplace_back([this, i] {
         const KernelCache cache(directory_);
-        for (int j = 0; j < 50; ++j) {
-          cache.keep("key", kKernel);
-          const auto found = cache.find("key");
-          ASSERT_TRUE(found);
-          ASSERT_EQ(found->code, kKernel.code);
+        // Large, so that a file that two of them write into at once would be a mixture.
+        const CompiledKernel mine{std::string(100'000 * static_cast<std::size_t>(i + 1), 'a'), "s"};
+        for (int j = 0; j < 20; ++j) {
+          cache.keep("key", mine);
+          ASSERT_TRUE(cache.find("key"));
         }
       });
     }
