@@ -16,6 +16,7 @@ class CudaEngine : public Engine {
  public:
   CudaEngine(EngineInfo info, const EngineOptions& options, int architecture)
       : info_(std::move(info)),
+        lean_memory_(options.lean_memory),
         variants_(std::make_shared<cuda::VariantStore>(options.kernels, options.kernel_cache,
                                                        architecture)) {}
 
@@ -32,11 +33,14 @@ class CudaEngine : public Engine {
                                                        Method method) override {
     auto ours = std::dynamic_pointer_cast<const cuda::CudaVolume>(std::move(volume));
     if (!ours) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
+    // The exact walk's bricks and nodes are a fifth of a volume and up to twice as much.
+    if (lean_memory_ && method.walk == Walk::kAuto) method.walk = Walk::kTracking;
     return cuda::CudaRenderer::make(std::move(ours), variants_, denoisers_, seed, first_sample,
                                     method);
   }
 
   EngineInfo info_;
+  bool lean_memory_;
   std::shared_ptr<cuda::VariantStore> variants_;
   std::shared_ptr<cuda::DenoiserShare> denoisers_ = std::make_shared<cuda::DenoiserShare>();
 };

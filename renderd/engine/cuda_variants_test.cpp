@@ -184,5 +184,21 @@ TEST_F(CudaVariantsTest, TheGeneralKernelHasAllFeatures) {
   EXPECT_TRUE(one->report().left_out.empty());
 }
 
+TEST_F(CudaVariantsTest, ToldToBeLeanItTakesFivePercentBesideTheVolume) {
+  EngineOptions options;
+  options.lean_memory = true;
+  options.kernels = KernelChoice::kGeneral;
+  auto lean = make_cuda_engine(options);
+  ASSERT_TRUE(lean);
+  auto volume = (*lean)->load(lumpy_volume(256, 256, 128));
+  ASSERT_TRUE(volume);
+  auto one = (*lean)->renderer(*volume, 1, 0);
+  ASSERT_TRUE(one);
+  ASSERT_TRUE(render_all(**one, full_scene(), kCanvas, 2));
+  const KernelReport report = (*one)->report();
+  EXPECT_LE(static_cast<double>(report.volume_bytes + report.acceleration_bytes),
+            1.05 * 2 * 256 * 256 * 128);
+}
+
 }  // namespace
 }  // namespace diaphane::render::cuda
