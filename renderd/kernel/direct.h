@@ -130,6 +130,28 @@ HOST_DEVICE LightRay area_light_ray_by_scatter(const SceneView<Volume>& scene, F
           (share(scene.mis, Mis::kScatter, s.density, hit.density) / light.probability));
 }
 
+/// A light of finite size that a direction of the scattering whose density was `density` meets:
+/// what it gives, and how far it is; black for none. `u` picks which light is asked. A path that
+/// goes on in such a direction needs no further ray.
+struct MetLight {
+  Float3 radiance;  ///< over the probability of being asked
+  float distance;   ///< mm
+};
+template <Features F, typename Volume>
+HOST_DEVICE MetLight area_light_by_scatter(const SceneView<Volume>& scene, Float3 place,
+                                           Float3 direction, float density,
+                                           [[maybe_unused]] float u) {
+  if (scene.mis == Mis::kLight || scene.lights.count == 0) return {};
+  std::uint32_t which = 0;
+  if constexpr (F.has(Feature::kManyLights)) which = pick_light(scene.lights, u);
+  const AreaLight& light = scene.lights.area[which];
+  const LightHit hit = meet_light<F>(scene.lights, light, place * scene.spacing, direction);
+  if (!hit.met) return {};
+  return {
+      hit.radiance * (share(scene.mis, Mis::kScatter, density, hit.density) / light.probability),
+      hit.distance};
+}
+
 /// What the environment gives to a direction of the scattering whose density was `density`.
 /// Without kMixes its textures are left to environment_map_ray, unless directions of the scattering
 /// are all that is wanted.

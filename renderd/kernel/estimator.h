@@ -58,9 +58,9 @@ inline constexpr std::uint32_t kFirstRoulette = 3;
 /// their own glow included. The light that comes to the first one straight from the lights is not
 /// in it.
 ///
-/// Lamps and the environment's textures by next-event estimation at each collision; the rest of the
-/// environment by the path itself, when it leaves the volume: its direction is drawn as matter
-/// scatters, so no further ray is needed.
+/// At each collision rays go to points of the lights and of the environment's textures. What
+/// Strategy finds in directions of the scattering, the path finds itself when it goes on: it needs
+/// no ray of its own.
 template <Features F, typename Volume>
 HOST_DEVICE Float3 path_onwards(const SceneView<Volume>& scene, Float3 place, Scatter<F> scatter,
                                 Random& random) {
@@ -85,6 +85,13 @@ HOST_DEVICE Float3 path_onwards(const SceneView<Volume>& scene, Float3 place, Sc
       hit = track<F.has(Feature::kSteepExtinction)>(
           ray, span, scene.grid, Medium<Volume>{scene.volume, scene.transfer}, random);
     }
+    if constexpr (F.has(Feature::kAreaLights) && kMixes<F>) {
+      if (collisions > 1) {
+        const MetLight met =
+            area_light_by_scatter<F>(scene, place, next.direction, next.density, random.one());
+        if (!hit.found || hit.distance > met.distance) radiance += weight * met.radiance;
+      }
+    }
     if (!hit.found) {
       if constexpr (F.has(Feature::kEnvironment) || F.has(Feature::kTexturedEnvironment)) {
         if (collisions > 1) {
@@ -103,7 +110,10 @@ HOST_DEVICE Float3 path_onwards(const SceneView<Volume>& scene, Float3 place, Sc
     }
     for (std::uint32_t i = 0; i < strategy_count<F>(); ++i) {
       const Strategy strategy = strategy_at<F>(i);
-      if (strategy == Strategy::kEnvironment || !is_of_use<F>(scene, strategy)) continue;
+      if (strategy == Strategy::kEnvironment || strategy == Strategy::kAreaLightByScatter ||
+          !is_of_use<F>(scene, strategy)) {
+        continue;
+      }
       const LightRay light = light_ray<F>(scene, place, scatter, strategy, random.two());
       if (light.lit) {
         radiance += weight * light.weight *

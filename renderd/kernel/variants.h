@@ -23,7 +23,6 @@ inline constexpr Features kVariants[] = {
         .with(Feature::kAreaLights)
         .with(Feature::kManyLights)
         .with(Feature::kEnvironment)
-        .with(Feature::kAnisotropicPhase)
         .with(Feature::kSteepExtinction)
         .with(Feature::kBounces),
     Features{}
