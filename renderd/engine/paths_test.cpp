@@ -159,6 +159,28 @@ TEST(Paths, RouletteAndFurtherFeaturesChangeNoMean) {
   }
 }
 
+/// Deep in matter that scatters forwards a wide lamp is found by points on it, by paths that run
+/// into it, or by both, each with its share.
+TEST(Paths, EveryWayToFindALampHasTheSameMean) {
+  diaphane::v1::Scene scene = test::skull_scene();
+  scene.clear_lights();
+  test::add_lamp(scene, -20, 15, 40, 120, 3);
+  scene.mutable_display()->set_show_environment(false);
+  scene.mutable_transfer_function()->set_extinction_per_mm(0.3);
+  scene.mutable_phase()->set_g(0.7);
+  scene.set_bounces(12);
+  const test::Prepared p(test::skull_volume(), scene, {24, 24});
+  test::Moments of[3];
+  for (const Mis mis : {Mis::kBoth, Mis::kLight, Mis::kScatter}) {
+    SceneView<LinearVolume> view = p.view(1 + static_cast<std::uint64_t>(mis));
+    view.mis = mis;
+    of[static_cast<std::size_t>(mis)] = red_of(view, p.scene().features, 300);
+  }
+  const double limit = test::critical_z(test::sidak(kAlpha, 2));
+  EXPECT_LT(std::abs(test::welch(of[0], of[1])), limit);
+  EXPECT_LT(std::abs(test::welch(of[0], of[2])), limit);
+}
+
 /// The same for one collision, where surfaces, gloss and glow are all there is.
 TEST(Shading, FurtherFeaturesChangeNoMean) {
   diaphane::v1::Scene scene = test::skull_scene();
