@@ -5,6 +5,7 @@
 
 #include <string_view>
 
+#include "renderd/engine/cuda_exact.h"
 #include "renderd/engine/cuda_kernel_sources.h"
 #include "renderd/engine/cuda_trace.h"
 #include "renderd/kernel/variants.h"
@@ -13,7 +14,7 @@ namespace diaphane::render::cuda {
 namespace {
 
 /// What an engine may launch; a kernel that is added belongs here.
-const KernelTemplate* const kKernels[] = {&kTraceKernel};
+const KernelTemplate* const kKernels[] = {&kTraceKernel, &kExactKernel};
 
 class NvrtcTest : public ::testing::Test {
  protected:
