@@ -163,6 +163,20 @@ const Fault kFaultsOfTheView[] = {
        s.mutable_slices()->set_colouring(static_cast<diaphane::v1::Slices::Colouring>(9));
      }},
     {"bounces", [](Scene& s) { s.set_bounces(1025); }},
+    {"shading.mode",
+     [](Scene& s) { s.mutable_shading()->set_mode(static_cast<diaphane::v1::Shading::Mode>(7)); }},
+    {"shading.gradientScale", [](Scene& s) { s.mutable_shading()->set_gradient_scale(-1); }},
+    {"shading.gradientScale", [](Scene& s) { s.mutable_shading()->set_gradient_scale(kNan); }},
+    {"transferFunction.channels[0].specular.g",
+     [](Scene& s) {
+       s.mutable_transfer_function()->mutable_channels(0)->mutable_specular()->set_g(1.5);
+     }},
+    {"transferFunction.channels[0].gloss",
+     [](Scene& s) { s.mutable_transfer_function()->mutable_channels(0)->set_gloss(kNan); }},
+    {"transferFunction.channels[0].emission.b",
+     [](Scene& s) {
+       s.mutable_transfer_function()->mutable_channels(0)->mutable_emission()->set_b(-1);
+     }},
 };
 
 TEST(CheckScene, NamesTheFieldThatIsWrong) {
