@@ -35,13 +35,14 @@ struct Moments {
 /// Three a tile.
 std::vector<Moments> tile_moments(Engine& engine, const volume::Volume& volume,
                                   const diaphane::v1::Scene& scene, std::uint32_t samples,
-                                  std::uint64_t first_seed) {
+                                  std::uint64_t first_seed,
+                                  Method method = {.walk = Walk::kTracking}) {
   const std::uint32_t across = kCanvas.width / kTile, down = kCanvas.height / kTile;
   std::vector<Moments> moments(3 * across * down);
   const auto loaded = engine.load(volume);
   EXPECT_TRUE(loaded);
   for (std::uint32_t run = 0; run < kRuns && loaded; ++run) {
-    auto one = engine.renderer(*loaded, first_seed + run, 0);
+    auto one = engine.renderer(*loaded, first_seed + run, 0, method);
     EXPECT_TRUE(one);
     EXPECT_TRUE(render_all(**one, scene, kCanvas, samples));
     const auto pixels = radiance_of(**one);
@@ -187,6 +188,17 @@ TEST_F(CudaAgainstCpuTest, AStiffSceneHasTheSameMean) {
   auto scene = full_scene();
   scene.mutable_transfer_function()->set_extinction_per_mm(100);
   expect_same(lumpy_volume(33, 9, 1), scene, kFew);
+}
+
+/// One sample of the exact walk is dozens of rays: few of them. Tracking on the CPU, so that the
+/// walk is held against something else than itself.
+TEST_F(CudaAgainstCpuTest, TheExactWalkHasTheMeanOfTracking) {
+  const auto cpu = make_cpu_engine(0);
+  const auto volume = lumpy_volume(40, 30, 25);
+  EXPECT_EQ(rejections(tile_moments(*cpu, volume, full_scene(), kFew, 5000),
+                       tile_moments(*engine_, volume, full_scene(), 4, 6000,
+                                    Method{.walk = Walk::kExact})),
+            0);
 }
 
 TEST_F(CudaAgainstCpuTest, TheTestSeesABiasOfTwoPercent) {
