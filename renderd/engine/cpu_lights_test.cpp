@@ -178,6 +178,17 @@ TEST(Lights, AVariantWithMoreFeaturesHasTheSamePicture) {
   expect_same(least, variant_tiles<kAllFeatures>(few, 5), "all compiled in");
 }
 
+/// Each strategy has strata of its own there, and one without any must have no share either: also
+/// where the variant at hand could mix what the scene does not.
+TEST(Lights, TheExactWalkHasThePictureOfTracking) {
+  for (const double g : {0.0, 0.6}) {
+    Scene scene = every_light();
+    scene.mutable_phase()->set_g(g);
+    expect_same(tiles_of(scene, {.walk = Walk::kExact}, 0),
+                tiles_of(scene, {.walk = Walk::kTracking}, 100'000), "g " + std::to_string(g));
+  }
+}
+
 TEST(BoxLight, IsTheSumOfItsSixRectangles) {
   Scene box = dark_scene(), faces = dark_scene();
   auto* b = box.add_lights()->mutable_box();

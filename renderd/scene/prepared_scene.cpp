@@ -59,16 +59,14 @@ std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene) {
   // Measured on the cranium scene for the least error in a given time: the sky's light varies more
   // with the direction than the lamp's with the point on it.
   const auto kind = [](Strategy strategy) { return static_cast<std::size_t>(strategy); };
-  const bool mixes =
-      scene.features.has(Feature::kAnisotropicPhase) || scene.features.has(Feature::kSurfaces);
   const Float3 e = scene.environment;
   const bool sky = e.x > 0 || e.y > 0 || e.z > 0, maps = !scene.maps.empty(),
              lamps = !scene.lights.empty();
   std::array<std::int32_t, kHitKinds> strata{};
   if (lamps) strata[kind(Strategy::kAreaLight)] = 5;
-  if (lamps && mixes) strata[kind(Strategy::kAreaLightByScatter)] = 3;
+  if (lamps && mixes(scene)) strata[kind(Strategy::kAreaLightByScatter)] = 3;
   if (maps) strata[kind(Strategy::kEnvironmentMap)] = 8;
-  if (sky || (maps && mixes)) strata[kind(Strategy::kEnvironment)] = maps ? 5 : 11;
+  if (sky || (maps && mixes(scene))) strata[kind(Strategy::kEnvironment)] = maps ? 5 : 11;
   std::int32_t sum = 0;
   for (std::int32_t n : strata) sum += n;
   // One kind alone gets what two would have; matter that glows needs collisions even without

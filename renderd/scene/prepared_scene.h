@@ -52,6 +52,12 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
                                     const PreparedScene* before = nullptr,
                                     const diaphane::v1::Scene* before_scene = nullptr);
 
+/// Whether directions in which the scene's matter scatters are samples of its lights too: see
+/// kMixes, which is that of the kernel's features.
+inline bool mixes(const PreparedScene& scene) {
+  return scene.features.has(Feature::kAnisotropicPhase) || scene.features.has(Feature::kSurfaces);
+}
+
 /// How many collisions of a camera ray look for light by each strategy (ExactView::strata).
 std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene);
 
@@ -137,7 +143,9 @@ SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, cons
                            .first_sample = first_sample,
                            .stream = mix64(seed + mix64(first_sample)),
                            .independent_points = !method.low_discrepancy,
-                           .mis = method.mis,
+                           // A variant with more features than the scene needs must not share light
+                           // with directions of the scattering for which no samples are taken.
+                           .mis = mixes(scene) ? method.mis : Mis::kLight,
                            .walk = method.walk};
 }
 
