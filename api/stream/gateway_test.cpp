@@ -135,6 +135,9 @@ TEST_F(GatewayTest, ATicketThatIsUnknownOrUsedClosesWith4401) {
   const std::string ticket = places_.issue(worker.address());
   TestViewer first = viewer(), second = viewer(), third = viewer();
   ASSERT_TRUE(first.enter(ticket));
+  // The ticket is looked at after the handshake: only an answer says that the first has used it.
+  first.send("here");
+  ASSERT_EQ(first.receive(), "here");
   ASSERT_TRUE(second.enter(ticket));
   EXPECT_EQ(second.close_code(), 4401);
   ASSERT_TRUE(third.enter(std::string(64, '0')));
