@@ -29,9 +29,9 @@ const KernelTemplate kExactKernel{.name = "exact walk",
 cudaError_t trace_exact(const Variant& variant, const SceneView<TextureVolume>& scene,
                         const Stripe& stripe, const TraceTarget& target, cudaStream_t stream) {
   const std::uint32_t rows = smaller(stripe.rows, scene.height - stripe.first_row);
-  const dim3 grid((scene.width + 15) / 16, (rows + 7) / 8);
+  const dim3 grid((scene.width + 7) / 8, (rows + 3) / 4);
   const auto strata = static_cast<std::uint32_t>(begin_of(scene.exact, kHitKinds));
-  const std::size_t shared = kTraceBlock / 32 * exact_floats(strata) * sizeof(float);
+  const std::size_t shared = exact_shared_bytes(variant.features, strata);
   // CUDA's one signature for all kernels takes pointers to arguments that are not const.
   void* arguments[] = {const_cast<SceneView<TextureVolume>*>(&scene), const_cast<Stripe*>(&stripe),
                        const_cast<TraceTarget*>(&target)};

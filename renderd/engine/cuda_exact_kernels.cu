@@ -127,10 +127,10 @@ __global__ void node_kernel(TextureVolume volume, Int3 bricks, NodePool pool) {
     CellNode node;
     for (int corner = 0; corner < 8; ++corner) {
       // The texture clamps what lies outside.
-      node.corners[corner] =
-          tex3D<short>(volume.texture, static_cast<float>(c.x - 1 + (corner & 1)),
-                       static_cast<float>(c.y - 1 + (corner >> 1 & 1)),
-                       static_cast<float>(c.z - 1 + (corner >> 2)));
+      node.corners[corner] = static_cast<std::uint16_t>(
+          32768 + tex3D<short>(volume.texture, static_cast<float>(c.x - 1 + (corner & 1)),
+                               static_cast<float>(c.y - 1 + (corner >> 1 & 1)),
+                               static_cast<float>(c.z - 1 + (corner >> 2))));
     }
     pool.nodes[std::int64_t{slot} * 64 + cell] = node;
     // Another session's kernel may run now: the slot is told only when it is filled.

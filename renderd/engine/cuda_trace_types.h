@@ -12,9 +12,9 @@
 
 namespace diaphane::render::cuda {
 
-/// Voxel values at a cell's corners, in the order of Corners; one load of 16 bytes.
+/// Voxel values at a cell's corners, plus 32768, in the order of Corners; one load of 16 bytes.
 struct alignas(16) CellNode {
-  std::int16_t corners[8];
+  std::uint16_t corners[8];
 };
 
 /// Voxels in a 3D texture, fetched unfiltered and interpolated in fp32: the texture unit's own

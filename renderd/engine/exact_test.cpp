@@ -57,7 +57,7 @@ double walked_depth(const SceneView<LinearVolume>& view, const Way& way, int* ce
   CellCrossing c;
   double depth = 0;
   while (walk.next(view.exact, c)) {
-    depth += depth_of_cell(view.volume.corners(c), c.way, view.exact);
+    depth += depth_of_cell<true>(view.volume.corners(c), c.way, view.exact);
     if (cells != nullptr) ++*cells;
   }
   return depth;
@@ -171,7 +171,8 @@ TEST(FindHits, AreWhereTheOpacityReachesTheirStrata) {
     view.exact.strata[0] = 3;
     view.exact.strata[2] = 4;
     const auto u = [](int kind) { return kind == 0 ? 0.3f : 0.8f; };
-    constexpr Features kF = Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment);
+    constexpr Features kF =
+        Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment).with(Feature::kCurves);
     find_hits<kF>(
         way.ray, way.span, view.volume, view.exact, u, 1.0f, true,
         [&](int s, std::int32_t stratum, Hit hit) {
@@ -208,7 +209,8 @@ std::vector<test::Moments> tiles_of(const test::Prepared& p, int pictures, std::
 }
 
 TEST(ExactEstimate, HasTheMeanOfTracking) {
-  static constexpr Features kF = Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment);
+  static constexpr Features kF =
+      Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment).with(Feature::kCurves);
   constexpr double kAlpha = 1e-4;
   auto dense = curves_scene();
   dense.mutable_transfer_function()->set_extinction_per_mm(30);

@@ -24,6 +24,7 @@ inline constexpr float kCertainDepth = 5.0f;
 
 /// The transmittance along a ray, found in steps, so that a GPU may put another ray in its place
 /// when it ends. Unbiased; exact but for what is beyond kCertainDepth.
+template <Features F>
 class TransmittanceWalk {
  public:
   TransmittanceWalk() = default;  ///< to be assigned to
@@ -31,12 +32,13 @@ class TransmittanceWalk {
   HOST_DEVICE TransmittanceWalk(const Ray& ray, Span span, const ExactView& exact, float ending)
       : walk_(ray, span, exact), dark_(kCertainDepth + ending) {}
 
-  /// One cell; false when the ray has ended.
+  /// One step, across a cell or over empty ones; false when the ray has ended.
   template <typename Volume>
   HOST_DEVICE bool step(const Volume& volume, const ExactView& exact) {
+    if (walk_.ended()) return false;
     CellCrossing c;
-    if (!walk_.next(exact, c)) return false;
-    depth_ += depth_of_cell(volume.corners(c), c.way, exact);
+    if (!walk_.advance(exact, c)) return true;
+    depth_ += depth_of_cell<F.has(Feature::kCurves)>(volume.corners(c), c.way, exact);
     return depth_ < dark_;
   }
   /// Once it has ended.
@@ -94,13 +96,14 @@ HOST_DEVICE constexpr KindList hit_kinds() {
   return list;
 }
 
-/// Collisions of the camera ray in each stratum: `store(kind, stratum, Hit)` is called for those
-/// that there are, in order of depth. `offset(kind)` in (0, 1) moves a kind's strata. `ending` is
-/// an exponential variate.
-template <Features F, typename Volume, typename Offset, typename Store>
+/// Collisions of the camera ray in each stratum: `mark(kind, stratum, corners, crossing, depth)` is
+/// called for those that there are, in order, with the cell that holds it and the optical depth
+/// from the cell's entry to it (place_in_cell finds where that is). `offset(kind)` in (0, 1) moves
+/// a kind's strata. `ending` is an exponential variate.
+template <Features F, typename Volume, typename Offset, typename Mark>
 HOST_DEVICE FirstWalk find_hits(const Ray& ray, Span span, const Volume& volume,
                                 const ExactView& exact, Offset&& offset, float ending,
-                                bool needs_transmittance, Store&& store) {
+                                bool needs_transmittance, Mark&& mark) {
   constexpr KindList kKinds = hit_kinds<F>();
   Strata strata[kKinds.count];
   float target[kKinds.count];
@@ -119,14 +122,12 @@ HOST_DEVICE FirstWalk find_hits(const Ray& ray, Span span, const Volume& volume,
   float depth = 0.0f;
   while (walk.next(exact, c)) {
     const Corners corners = volume.corners(c);
-    const float after = depth + depth_of_cell(corners, c.way, exact);
+    const float after = depth + depth_of_cell<F.has(Feature::kCurves)>(corners, c.way, exact);
     while (nearest < after) {
-      const float t = place_in_cell(corners, c.way, exact, nearest - depth);
-      const Hit hit{t, corners.at(c.way.at(t))};
       float following = 3.4e38f;
       for (int k = 0; k < kKinds.count; ++k) {
         if (target[k] <= nearest) {
-          store(kKinds.of[k], strata[k].next, hit);
+          mark(kKinds.of[k], strata[k].next, corners, c.way, nearest - depth);
           ++strata[k].next;
           target[k] = strata[k].target(strata[k].next);
         }

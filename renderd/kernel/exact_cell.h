@@ -191,33 +191,42 @@ HOST_DEVICE_SELDOM float depth_of_parts(Corners corners, Crossing way, const Exa
   return depth;
 }
 
-/// Optical depth of the whole crossing.
+/// Optical depth of the whole crossing. `Curves`: Feature::kCurves.
+template <bool Curves>
 HOST_DEVICE float depth_of_cell(const Corners& corners, const Crossing& way,
                                 const ExactView& exact) {
-  if (exact.piece_count == 1) return depth_between(corners, way, exact.pieces[0], way.t0, way.t1);
-  const ValueSpan range = corners.range();
-  const ExtinctionPiece piece = exact.pieces[exact.piece_at(range.low)];
-  if (range.high <= piece.end) {
-    if (!(piece.extinction > 0.0f) && piece.slope == 0.0f) return 0.0f;
-    return depth_between(corners, way, piece, way.t0, way.t1);
+  if constexpr (!Curves) {
+    return depth_between(corners, way, exact.only, way.t0, way.t1);
+  } else {
+    const ValueSpan range = corners.range();
+    const ExtinctionPiece piece = exact.pieces[exact.piece_at(range.low)];
+    if (range.high <= piece.end) {
+      if (!(piece.extinction > 0.0f) && piece.slope == 0.0f) return 0.0f;
+      return depth_between(corners, way, piece, way.t0, way.t1);
+    }
+    return depth_of_parts(corners, way, exact);
   }
-  return depth_of_parts(corners, way, exact);
 }
 
 /// Where the optical depth from way.t0 reaches `target`, which is at most that of the cell.
-HOST_DEVICE_SELDOM float place_in_cell(Corners corners, Crossing way, const ExactView& exact,
-                                       float target) {
-  float place = way.t1;
-  for_each_part(corners, way, exact, [&](const ExtinctionPiece& p, float ta, float tb) {
-    const float depth = depth_between(corners, way, p, ta, tb);
-    if (depth < target) {
-      target -= depth;
-      return true;
-    }
-    place = invert_depth(corners, way, p, ta, tb, target);
-    return false;
-  });
-  return place;
+template <bool Curves>
+HOST_DEVICE float place_in_cell(const Corners& corners, const Crossing& way, const ExactView& exact,
+                                float target) {
+  if constexpr (!Curves) {
+    return invert_depth(corners, way, exact.only, way.t0, way.t1, target);
+  } else {
+    float place = way.t1;
+    for_each_part(corners, way, exact, [&](const ExtinctionPiece& p, float ta, float tb) {
+      const float depth = depth_between(corners, way, p, ta, tb);
+      if (depth < target) {
+        target -= depth;
+        return true;
+      }
+      place = invert_depth(corners, way, p, ta, tb, target);
+      return false;
+    });
+    return place;
+  }
 }
 
 }  // namespace diaphane::render

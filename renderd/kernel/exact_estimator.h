@@ -80,10 +80,10 @@ HOST_DEVICE HitTask task_of(const SceneView<Volume>& scene, const CameraRay& cam
   return task;
 }
 
-/// The camera ray's walk of one sample: FirstWalk and its hits.
-template <Features F, typename Volume, typename Store>
+/// The camera ray's walk of one sample: FirstWalk and its hits (find_hits).
+template <Features F, typename Volume, typename Mark>
 HOST_DEVICE FirstWalk walk_camera_ray(const SceneView<Volume>& scene,
-                                      const CameraSample<F, Volume>& sample, Store&& store) {
+                                      const CameraSample<F, Volume>& sample, Mark&& mark) {
   Random own = sample.random.fork(0xffffffu);
   const auto offset = [&](int kind) {
     return scene.independent_points
@@ -93,7 +93,7 @@ HOST_DEVICE FirstWalk walk_camera_ray(const SceneView<Volume>& scene,
   const Float3 b = sample.sight.behind;
   const bool behind = b.x > 0.0f || b.y > 0.0f || b.z > 0.0f;
   return find_hits<F>(sample.camera.ray, sample.sight.span, scene.volume, scene.exact, offset,
-                      own.exponential(), behind, store);
+                      own.exponential(), behind, mark);
 }
 
 /// One unbiased estimate of the radiance through pixel (x, y) by the exact walk: the first
@@ -112,13 +112,17 @@ HOST_DEVICE SampleOf<F> exact_estimate(const SceneView<Volume>& scene, std::uint
   }
   if (!(sample.sight.span.begin < sample.sight.span.end)) return result;
   Float3 radiance{0.0f, 0.0f, 0.0f};
-  const FirstWalk first =
-      walk_camera_ray<F>(scene, sample, [&](int kind, std::int32_t stratum, Hit hit) {
+  const FirstWalk first = walk_camera_ray<F>(
+      scene, sample,
+      [&](int kind, std::int32_t stratum, const Corners& corners, const Crossing& way,
+          float depth) {
+        const float t = place_in_cell<F.has(Feature::kCurves)>(corners, way, scene.exact, depth);
+        const Hit hit{t, corners.at(way.at(t))};
         const HitTask task =
             task_of<F>(scene, sample.camera, sample.points, sample.random, kind, stratum, hit);
         radiance += task.radiance;
         if (!task.lit) return;
-        TransmittanceWalk walk(task.ray, task.span, scene.exact, task.ending);
+        TransmittanceWalk<F> walk(task.ray, task.span, scene.exact, task.ending);
         while (walk.step(scene.volume, scene.exact)) {
         }
         radiance += task.weight * walk.transmittance();

@@ -34,22 +34,31 @@ class ExactWalk {
                                 (direction_.z > 0.0f ? 4 : 0);
     skips_ = exact.skips + std::int64_t{octant} * exact.brick_count;
     const Float3 p = origin_ + direction_ * t_;
-    cell_ = {cell_at(p.x, exact.size.x), cell_at(p.y, exact.size.y), cell_at(p.z, exact.size.z)};
+    put(Int3{cell_at(p.x, exact.size.x), cell_at(p.y, exact.size.y), cell_at(p.z, exact.size.z)});
+  }
+
+  HOST_DEVICE bool ended() const { return !(t_ < last_); }
+
+  /// One step, until it has ended: true when it was across a cell where something may be, false
+  /// when over empty bricks.
+  HOST_DEVICE bool advance(const ExactView& exact, CellCrossing& out) {
+    const Int3 brick{cell_.x >> kBrickShift, cell_.y >> kBrickShift, cell_.z >> kBrickShift};
+    const std::int32_t index = brick.x + exact.bricks.x * (brick.y + exact.bricks.y * brick.z);
+    const std::int32_t skip = skips_[index];
+    if (skip != 0) {
+      jump(brick, skip, exact);
+      return false;
+    }
+    out.cell = cell_;
+    out.brick = index;
+    cross(exact, out.way);
+    return true;
   }
 
   /// The next cell where something may be; false when the ray has left.
   HOST_DEVICE bool next(const ExactView& exact, CellCrossing& out) {
-    while (t_ < last_) {
-      const Int3 brick{cell_.x >> kBrickShift, cell_.y >> kBrickShift, cell_.z >> kBrickShift};
-      const std::int32_t index = brick.x + exact.bricks.x * (brick.y + exact.bricks.y * brick.z);
-      const std::int32_t skip = skips_[index];
-      if (skip == 0) {
-        out.cell = cell_;
-        out.brick = index;
-        cross(exact, out.way);
-        return true;
-      }
-      jump(brick, skip, exact);
+    while (!ended()) {
+      if (advance(exact, out)) return true;
     }
     return false;
   }
@@ -63,30 +72,39 @@ class ExactWalk {
   HOST_DEVICE static std::int32_t cell_at(float p, std::int32_t size) {
     return p > 0.0f ? static_cast<std::int32_t>(smaller(p, static_cast<float>(size))) : 0;
   }
-  HOST_DEVICE float plane_distance(int axis, std::int32_t plane) const {
-    return (static_cast<float>(plane) - origin_[axis]) * inverse_[axis];
+  HOST_DEVICE float plane_distance(int axis, float plane) const {
+    return (plane - origin_[axis]) * inverse_[axis];
   }
+  HOST_DEVICE void put(Int3 cell) {
+    cell_ = cell;
+    corner_ = {static_cast<float>(cell.x), static_cast<float>(cell.y), static_cast<float>(cell.z)};
+  }
+  HOST_DEVICE static float ahead(float direction) { return direction > 0.0f ? 1.0f : 0.0f; }
+  HOST_DEVICE static std::int32_t sign(float direction) { return direction > 0.0f ? 1 : -1; }
+  HOST_DEVICE static float sign_f(float direction) { return direction > 0.0f ? 1.0f : -1.0f; }
+
   /// The way through the cell, and on to its neighbour.
   HOST_DEVICE void cross(const ExactView& exact, Crossing& way) {
-    const float x = plane_distance(0, cell_.x + up(direction_.x));
-    const float y = plane_distance(1, cell_.y + up(direction_.y));
-    const float z = plane_distance(2, cell_.z + up(direction_.z));
-    const Float3 corner{static_cast<float>(cell_.x), static_cast<float>(cell_.y),
-                        static_cast<float>(cell_.z)};
-    way.entry = origin_ + direction_ * t_ - corner;
+    const float x = plane_distance(0, corner_.x + ahead(direction_.x));
+    const float y = plane_distance(1, corner_.y + ahead(direction_.y));
+    const float z = plane_distance(2, corner_.z + ahead(direction_.z));
+    way.entry = origin_ + direction_ * t_ - corner_;
     way.slope = direction_;
     way.t0 = t_;
     const float end = larger(t_, smaller(x, smaller(y, z)));
     way.t1 = smaller(last_, end);
     t_ = end;
     if (x <= y && x <= z) {
-      cell_.x += 2 * up(direction_.x) - 1;
+      cell_.x += sign(direction_.x);
+      corner_.x += sign_f(direction_.x);
       leave_unless_within(cell_.x, exact.size.x);
     } else if (y <= z) {
-      cell_.y += 2 * up(direction_.y) - 1;
+      cell_.y += sign(direction_.y);
+      corner_.y += sign_f(direction_.y);
       leave_unless_within(cell_.y, exact.size.y);
     } else {
-      cell_.z += 2 * up(direction_.z) - 1;
+      cell_.z += sign(direction_.z);
+      corner_.z += sign_f(direction_.z);
       leave_unless_within(cell_.z, exact.size.z);
     }
   }
@@ -98,7 +116,9 @@ class ExactWalk {
     };
     const std::int32_t px = border(brick.x, direction_.x), py = border(brick.y, direction_.y),
                        pz = border(brick.z, direction_.z);
-    const float x = plane_distance(0, px), y = plane_distance(1, py), z = plane_distance(2, pz);
+    const float x = plane_distance(0, static_cast<float>(px));
+    const float y = plane_distance(1, static_cast<float>(py));
+    const float z = plane_distance(2, static_cast<float>(pz));
     t_ = larger(t_, smaller(x, smaller(y, z)));
     const Float3 p = origin_ + direction_ * t_;
     // Along the axis of the border the cell is known exactly. The others come from a rounded
@@ -116,7 +136,7 @@ class ExactWalk {
       on.z = pz - 1 + up(direction_.z);
       leave_unless_within(on.z, exact.size.z);
     }
-    cell_ = on;
+    put(on);
   }
   HOST_DEVICE static std::int32_t forward(float direction, std::int32_t a, std::int32_t b) {
     return direction > 0.0f ? larger(a, b) : smaller(a, b);
@@ -128,6 +148,7 @@ class ExactWalk {
   Float3 origin_, direction_, inverse_;  ///< in cells
   float t_, last_;
   Int3 cell_;
+  Float3 corner_;  ///< the same as numbers that planes are found from: converting costs
   const std::uint8_t* skips_;
 };
 

@@ -30,6 +30,7 @@ enum class Feature : std::uint32_t {
   kBounces,              ///< paths of more than one collision
   kSteepExtinction,      ///< clear and very dense matter side by side: bounds by the voxel
   kGuides,               ///< depth, albedo and normal of what is seen, for the denoiser
+  kCurves,               ///< an extinction that is not one linear function of the value
   kCount
 };
 inline constexpr std::uint32_t kFeatureCount = static_cast<std::uint32_t>(Feature::kCount);
@@ -44,7 +45,7 @@ inline constexpr const char* kFeatureNames[kFeatureCount] = {
     "orthographic",      "clip",
     "clipped light",     "slices",
     "bounces",           "steep extinction",
-    "denoiser guides"};
+    "denoiser guides",   "curves"};
 
 /// A set of features; structural, so that it can be a template argument.
 struct Features {

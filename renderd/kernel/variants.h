@@ -9,30 +9,28 @@ namespace diaphane::render {
 /// The feature sets for which a kernel is compiled beforehand, from small to large; the last has
 /// all features, so there is one for every scene. (CUDA compiles the exact set at run time as
 /// well.)
+/// A linear function of the value is rare enough to be left to the exact set.
+inline constexpr Features kCurved = Features{}.with(Feature::kCurves);
 inline constexpr Features kVariants[] = {
-    Features{}.with(Feature::kEnvironment),
-    Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment),
-    Features{}.with(Feature::kAreaLights).with(Feature::kManyLights).with(Feature::kEnvironment),
-    Features{}
-        .with(Feature::kAreaLights)
+    kCurved.with(Feature::kEnvironment),
+    kCurved.with(Feature::kAreaLights).with(Feature::kEnvironment),
+    kCurved.with(Feature::kAreaLights).with(Feature::kManyLights).with(Feature::kEnvironment),
+    kCurved.with(Feature::kAreaLights)
         .with(Feature::kManyLights)
         .with(Feature::kEnvironment)
         .with(Feature::kAnisotropicPhase)
         .with(Feature::kSteepExtinction),
-    Features{}
-        .with(Feature::kAreaLights)
+    kCurved.with(Feature::kAreaLights)
         .with(Feature::kManyLights)
         .with(Feature::kEnvironment)
         .with(Feature::kSteepExtinction)
         .with(Feature::kBounces),
-    Features{}
-        .with(Feature::kAreaLights)
+    kCurved.with(Feature::kAreaLights)
         .with(Feature::kManyLights)
         .with(Feature::kEnvironment)
         .with(Feature::kSurfaces)
         .with(Feature::kGloss),
-    Features{}
-        .with(Feature::kAreaLights)
+    kCurved.with(Feature::kAreaLights)
         .with(Feature::kManyLights)
         .with(Feature::kEnvironment)
         .with(Feature::kGuides),

@@ -97,8 +97,9 @@ struct ExactView {
   /// For each voxel value from `first_value` on: the piece in which it begins.
   const std::uint16_t* piece_of;
   std::int32_t piece_count, first_value, last_value;
-  Int3 size;    ///< of the volume in voxels: one less than the cells along each axis
-  Int3 bricks;  ///< x fastest
+  ExtinctionPiece only;  ///< the first: all of them without Feature::kCurves
+  Int3 size;             ///< of the volume in voxels: one less than the cells along each axis
+  Int3 bricks;           ///< x fastest
   std::int32_t brick_count;
   /// For each of 8 octants (bit 0: the ray goes up x, ...) and each brick: 0 where something may
   /// be, else so many bricks along each axis in the octant's direction, this one included, are

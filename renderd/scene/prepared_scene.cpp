@@ -44,6 +44,7 @@ Features features_of(const diaphane::v1::Scene& scene, const PreparedScene& s, F
   if (!s.matter) return seen.with(Feature::kTexturedEnvironment, s.maps_seen);
   return Features{seen.bits | lights.bits}
       .with(Feature::kAnisotropicPhase, s.phase_g != 0)
+      .with(Feature::kCurves, s.transfer->exact.pieces.size() != 1)
       .with(Feature::kSurfaces, s.surfaces > 0)
       .with(Feature::kHybrid, s.surfaces > 0 && std::isfinite(s.surfaces))
       .with(Feature::kGloss, s.surfaces > 0 && !s.transfer->gloss.empty())

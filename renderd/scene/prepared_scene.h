@@ -75,6 +75,7 @@ inline ExactView exact_view_of(const PreparedScene& scene, const ValueGrid& grid
           .piece_count = static_cast<std::int32_t>(t.pieces.size()),
           .first_value = grid.whole.minimum,
           .last_value = grid.whole.maximum,
+          .only = t.pieces.empty() ? ExtinctionPiece{} : t.pieces.front(),
           .size = size,
           .bricks = grid.bricks,
           .brick_count = grid.bricks.x * grid.bricks.y * grid.bricks.z,
