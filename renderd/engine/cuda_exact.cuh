@@ -95,9 +95,14 @@ HOST_DEVICE std::int32_t begin_of(const ExactView& exact, int kind) {
 template <Features F>
 __device__ __forceinline__ Sample mark_hits(const SceneView<TextureVolume>& scene,
                                             const ExactShared& shared, std::uint32_t x,
-                                            std::uint32_t y, std::uint64_t number, int pixel) {
+                                            std::uint32_t y, std::uint64_t number, int pixel,
+                                            [[maybe_unused]] Guides& guides) {
   const CameraSample<F, TextureVolume> camera(scene, x, y, number);
   shared.put_ray(pixel, camera.camera.ray);
+  if constexpr (F.has(Feature::kGuides)) {
+    if (number < kGuidedSamples)
+      guides += guides_along(scene, camera.camera.ray, camera.sight.span);
+  }
   Sample sample{};
   float transmittance = 1.0f;
   if (camera.sight.span.begin < camera.sight.span.end) {
@@ -113,7 +118,8 @@ __device__ __forceinline__ Sample mark_hits(const SceneView<TextureVolume>& scen
     sample.met_matter = first.met_matter;
   }
   sample.met_matter |= camera.sight.slice;
-  sample.shows_slice = camera.sight.slice;
+  // Less than half a level of the display is not seen of it.
+  sample.shows_slice = camera.sight.slice && transmittance > 0.5f / 255.0f;
   sample.radiance = camera.sight.behind * transmittance;
   return sample;
 }
@@ -262,6 +268,7 @@ __global__ void __launch_bounds__(kTraceBlock, DIAPHANE_EXACT_BLOCKS)
   const bool inside = x < scene.width && y < scene.height;
 
   PixelBatch batch;
+  [[maybe_unused]] Guides guides{};
   for (std::uint32_t s = 0; s < stripe.samples; ++s) {
     const std::uint64_t number = stripe.film_sample + s;
     for (int i = static_cast<int>(threadIdx.x); i < kTilePixels * strata; i += kTraceBlock) {
@@ -270,7 +277,7 @@ __global__ void __launch_bounds__(kTraceBlock, DIAPHANE_EXACT_BLOCKS)
     if (threadIdx.x == 0) listed = taken = 0;
     __syncthreads();
     Sample sample{};
-    if (warp == 0 && inside) sample = mark_hits<kF>(scene, shared, x, y, number, lane);
+    if (warp == 0 && inside) sample = mark_hits<kF>(scene, shared, x, y, number, lane, guides);
     __syncthreads();
     for (int stratum = warp; stratum < strata; stratum += kExactWarps) {
       const bool walks = aim<kF>(scene, shared, x + scene.width * y, number, stratum, lane);
@@ -295,7 +302,10 @@ __global__ void __launch_bounds__(kTraceBlock, DIAPHANE_EXACT_BLOCKS)
     }
     __syncthreads();
   }
-  if (warp == 0 && inside) add_batch(target, x + std::uint64_t{scene.width} * y, batch);
+  if (warp != 0 || !inside) return;
+  const std::uint64_t pixel = x + std::uint64_t{scene.width} * y;
+  add_batch(target, pixel, batch);
+  if constexpr (kF.has(Feature::kGuides)) add_guides(target, pixel, stripe, guides);
 }
 
 }  // namespace diaphane::render::cuda
