@@ -175,7 +175,9 @@ TEST(FindHits, AreWhereTheOpacityReachesTheirStrata) {
         Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment).with(Feature::kCurves);
     find_hits<kF>(
         way.ray, way.span, view.volume, view.exact, u, 1.0f, true,
-        [&](int s, std::int32_t stratum, Hit hit) {
+        [&](int s, std::int32_t stratum, const Corners& corners, const Crossing& c, float to) {
+          const float t = place_in_cell<true>(corners, c, view.exact, to);
+          const Hit hit{t, corners.at(c.at(t))};
           const double opacity = (stratum + u(s)) / view.exact.strata[s];
           const double depth = walked_depth(view, {way.ray, {way.span.begin, hit.distance}});
           EXPECT_NEAR(-std::expm1(-depth), opacity, 2e-4);

@@ -19,7 +19,7 @@ enum class Mis : std::uint8_t {
 };
 
 /// Choices of the estimator. All have the same mean and differ in variance and cost; a server uses
-/// the defaults, the others are there to be compared with.
+/// kLiveMethod, the others are there to be compared with.
 struct Method {
   Walk walk = Walk::kAuto;
   bool low_discrepancy = true;  ///< false: independent points instead (math/points.h)
@@ -28,5 +28,9 @@ struct Method {
 
   bool operator==(const Method&) const = default;
 };
+
+/// For pictures that somebody turns: a sample by tracking comes ten times sooner than one by the
+/// exact walk, though that needs a fraction of the time to the same error.
+inline constexpr Method kLiveMethod{.walk = Walk::kTracking};
 
 }  // namespace diaphane::render

@@ -60,7 +60,7 @@ std::uint64_t LiveSession::attach(std::shared_ptr<ClientLink> link, std::uint64_
 void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volume) {
   Result<std::unique_ptr<FrameRenderer>> renderer = fail(ErrorCode::kInternal, "");
   auto encoder = make_encoder(v1::JPEG);
-  if (volume) renderer = parts_.engine.renderer(*volume, random_seed(), 0);
+  if (volume) renderer = parts_.engine.renderer(*volume, random_seed(), 0, kLiveMethod);
   if (!volume || !renderer || !encoder) {
     return failed(!volume ? volume.error() : !renderer ? renderer.error() : encoder.error());
   }
