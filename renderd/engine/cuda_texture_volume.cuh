@@ -47,14 +47,16 @@ __device__ __forceinline__ Corners TextureVolume::corners(const CellCrossing& c)
     const std::int32_t within = (c.cell.x & 3) | (c.cell.y & 3) << 2 | (c.cell.z & 3) << 4;
     const int4 packed =
         __ldg(reinterpret_cast<const int4*>(nodes + std::int64_t{slot} * 64 + within));
-    // 2^23 + n has n as its lowest bits: a number of 16 bits becomes a float by a byte permutation and a subtraction,
-    // where a conversion goes through a unit with an eighth of the rate.
+    // 2^23 + n has n as its lowest bits: a number of 16 bits becomes a float by a byte permutation
+    // and a subtraction, where a conversion goes through a unit with an eighth of the rate.
     const auto number = [](int two, unsigned bytes) {
-      return __uint_as_float(__byte_perm(static_cast<unsigned>(two), 0x4b000000u, bytes)) - (8388608.0f + 32768.0f);
+      return __uint_as_float(__byte_perm(static_cast<unsigned>(two), 0x4b000000u, bytes)) -
+             (8388608.0f + 32768.0f);
     };
     constexpr unsigned kLow = 0x7610, kHigh = 0x7632;
-    return {{number(packed.x, kLow), number(packed.x, kHigh), number(packed.y, kLow), number(packed.y, kHigh),
-             number(packed.z, kLow), number(packed.z, kHigh), number(packed.w, kLow), number(packed.w, kHigh)}};
+    return {{number(packed.x, kLow), number(packed.x, kHigh), number(packed.y, kLow),
+             number(packed.y, kHigh), number(packed.z, kLow), number(packed.z, kHigh),
+             number(packed.w, kLow), number(packed.w, kHigh)}};
   }
   Corners out;
 #pragma unroll

@@ -37,7 +37,7 @@ export function serve_stream(socket: WebSocket, session: FakeSession): void {
     const moving = samples <= 2 ? 2 : 1;
     const [width, height] = [Math.round(size.width / moving), Math.round(size.height / moving)];
     const data = draw(session.scene, Math.min(width, 900), Math.min(height, Math.round((900 * height) / width)), samples);
-    say({ case: "frame", value: { $typeName: "diaphane.v1.Frame", codec: Codec.JPEG, key: true, epoch, seq: ++seq, inputSeq: session.input_seq, iteration: BigInt(samples), error: samples < 2 ? Infinity : 0.35 / Math.sqrt(samples), width, height, renderUs: BigInt((Date.now() - begun) * 1000 + 4000), encodeUs: 900n, data } });
+    say({ case: "frame", value: { $typeName: "diaphane.v1.Frame", codec: Codec.JPEG, key: true, epoch, seq: ++seq, inputSeq: session.input_seq, iteration: BigInt(samples), error: samples < 2 ? Infinity : 0.35 / Math.sqrt(samples), width, height, renderUs: BigInt((Date.now() - begun) * 1000 + 4000), encodeUs: 900n, denoised: samples <= 4, data } });
     say({ case: "stats", value: { $typeName: "diaphane.v1.Stats", samplesPerSecond: 61.3, sessions: 1, droppedSamples: 0n, framesSkipped: 0n } });
     if (samples >= 2048) say({ case: "state", value: { $typeName: "diaphane.v1.State", epoch, converged: true, lossless: false, biased: false } });
   }, 30);
