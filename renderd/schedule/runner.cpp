@@ -356,7 +356,8 @@ bool Runner::still_quantum() {
   busy_seconds_ = busy_seconds_ + batch->seconds;
   still_seconds_due_ = std::max(0.0, still_seconds_due_ - batch->seconds);
   still_samples_ += batch->samples;
-  if (still_samples_ < job.samples) return true;
+  const bool late = still_samples_ > 0 && clock_.now() >= job.until;
+  if (still_samples_ < job.samples && !late) return true;
   PictureRgb8 picture;
   if (const auto shown = job.renderer->display(picture); !shown) {
     end(tl::unexpected(shown.error()), 0);

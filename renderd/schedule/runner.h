@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -22,6 +23,9 @@ struct StillJob {
   Canvas canvas;
   std::uint32_t samples = 1;
   std::unique_ptr<FrameRenderer> renderer;
+  /// When somebody must have the picture: it is given with the samples that it has by then, one at
+  /// least. Otherwise a busy device would begin it anew with each request and never end it.
+  std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max();
   /// Asked between quanta: nobody waits for it any more.
   std::function<bool()> cancelled;
   /// Called once from the runner's thread, unless it was cancelled.

@@ -310,6 +310,17 @@ TEST_F(RunnerTest, AStillIsRenderedBesideAPersonWhoDrags) {
   EXPECT_NEAR(finished.get(), 0.5 / std::sqrt(10.0), 1e-9);
 }
 
+TEST_F(RunnerTest, AStillIsGivenAsItIsWhenItsTimeIsOver) {
+  std::promise<double> done;
+  auto finished = done.get_future();
+  StillJob job = still_job(device, done);
+  job.samples = 1u << 30;
+  job.until = {};
+  runner.submit(std::move(job));
+  ASSERT_EQ(finished.wait_for(10s), std::future_status::ready);
+  EXPECT_GT(finished.get(), 0.5 / std::sqrt(double(1u << 30)));
+}
+
 TEST_F(RunnerTest, AStillThatNobodyWaitsForIsDropped) {
   std::promise<double> done;
   StillJob job = still_job(device, done);

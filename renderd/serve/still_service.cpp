@@ -1,5 +1,7 @@
 #include "renderd/serve/still_service.h"
 
+#include <chrono>
+
 #include "common/ids.h"
 #include "renderd/encode/encoder.h"
 #include "renderd/scene/presets.h"
@@ -7,6 +9,10 @@
 
 namespace diaphane::render {
 namespace {
+
+// The gateway waits for 20 s; a picture with the samples that it has by then is worth more than
+// none.
+constexpr std::chrono::seconds kLongestRendering{12};
 
 // Thumbnails of one volume with one seed are the same picture each time.
 constexpr std::uint64_t kStillSeed = 1;
@@ -92,6 +98,7 @@ void StillService::begin(std::shared_ptr<Order> order, Result<VolumeCache::Handl
   job.renderer = std::move(*renderer);
   job.canvas = order->canvas;
   job.samples = order->request.samples();
+  job.until = order->begun + kLongestRendering;
   job.cancelled = [order] { return order->cancelled->load(); };
   job.done = [this, order](Result<PictureRgb8> picture, double error) {
     encoders_.post([this, order, picture = std::move(picture), error] {
