@@ -34,7 +34,7 @@ diaphane_test(render_cuda_unit_test
 diaphane_test(render_cuda_test
   SOURCES cuda_acceleration_test.cpp cuda_against_cpu_test.cpp cuda_denoise_test.cpp cuda_engine_test.cpp cuda_film_test.cpp
           cuda_test_kernels.cu cuda_test_support.cpp cuda_variants_test.cpp
-  LIBS render_cuda render_cpu render_texture_libraries CUDA::cudart_static
+  LIBS render_engine render_cuda render_cpu render_texture_libraries CUDA::cudart_static
   LABELS gpu)
 
 if(DIAPHANE_BENCHMARKS)
