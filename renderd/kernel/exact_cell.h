@@ -114,6 +114,26 @@ struct ValueCubic {
   HOST_DEVICE float at(float s) const { return c0 + s * (c1 + s * (c2 + s * c3)); }
   HOST_DEVICE float derivative(float s) const { return c1 + s * (2.0f * c2 + s * 3.0f * c3); }
 
+  /// Its values on [0, 1] lie between those of its control points (Bernstein form); where these
+  /// rise or fall throughout, so does it.
+  struct Hull {
+    float first, second, third, last;
+
+    HOST_DEVICE ValueSpan range() const {
+      return {smaller(smaller(first, second), smaller(third, last)),
+              larger(larger(first, second), larger(third, last))};
+    }
+    HOST_DEVICE bool monotone() const {
+      return (first <= second && second <= third && third <= last) ||
+             (first >= second && second >= third && third >= last);
+    }
+  };
+  HOST_DEVICE Hull hull() const {
+    const float third = c1 * (1.0f / 3);
+    const float second = c0 + third;
+    return {c0, second, second + third + c2 * (1.0f / 3), c0 + c1 + c2 + c3};
+  }
+
   /// Where it turns, in rising order within (0, 1); 1 where it does not.
   HOST_DEVICE void turns(float& first, float& second) const {
     first = second = 1.0f;
@@ -128,11 +148,13 @@ struct ValueCubic {
     second = larger(r, s);
   }
 
-  /// Where it passes `value` between a and b, where it is monotone and passes it.
-  HOST_DEVICE float meets(float value, float a, float b) const {
-    const bool rising = at(b) > at(a);
-    float s = 0.5f * (a + b);
-    for (int i = 0; i < 12; ++i) {
+  /// Where it passes `value` between a and b, where it is monotone and its values are `from` and
+  /// `to`. Within 3e-5: what that costs is of the order of its square.
+  HOST_DEVICE float meets(float value, float a, float from, float b, float to) const {
+    const bool rising = to > from;
+    float s = a + (b - a) * ((value - from) / (to - from));
+    if (!(s > a && s < b)) s = 0.5f * (a + b);
+    for (int i = 0; i < 20; ++i) {
       const float excess = at(s) - value;
       if (excess == 0.0f) break;
       if ((excess > 0.0f) == rising) {
@@ -143,7 +165,7 @@ struct ValueCubic {
       const float next = s - excess / derivative(s);
       const float last = s;
       s = next > a && next < b ? next : 0.5f * (a + b);
-      if (fabsf(s - last) < 1e-6f) break;
+      if (fabsf(s - last) < 3e-5f) break;
     }
     return s;
   }
@@ -157,7 +179,7 @@ HOST_DEVICE bool for_each_part(const Corners& corners, const Crossing& way, cons
   const ValueCubic cubic(corners, way);
   const float length = way.t1 - way.t0;
   float turns[4] = {0.0f, 1.0f, 1.0f, 1.0f};
-  cubic.turns(turns[1], turns[2]);
+  if (!cubic.hull().monotone()) cubic.turns(turns[1], turns[2]);
   float begin = 0.0f;
   for (int leg = 0; leg < 3; ++leg) {
     const float end = turns[leg + 1];
@@ -171,7 +193,7 @@ HOST_DEVICE bool for_each_part(const Corners& corners, const Crossing& way, cons
       const float border = rising ? p.end : p.begin;
       const bool last =
           rising ? !(border < to) || piece + 1 >= exact.piece_count : !(border > to) || piece == 0;
-      const float next = last ? end : cubic.meets(border, begin, end);
+      const float next = last ? end : cubic.meets(border, begin, cubic.at(begin), end, to);
       if (next > begin && !visit(p, way.t0 + begin * length, way.t0 + next * length)) return false;
       begin = larger(begin, next);
       if (last) break;
@@ -181,8 +203,12 @@ HOST_DEVICE bool for_each_part(const Corners& corners, const Crossing& way, cons
   return true;
 }
 
-/// Optical depth of a crossing whose values span several pieces.
+/// Optical depth of a crossing of a cell whose values span several pieces.
 HOST_DEVICE_SELDOM float depth_of_parts(Corners corners, Crossing way, const ExactView& exact) {
+  // The ray's own values span less than the cell's: often one piece.
+  const ValueSpan range = ValueCubic(corners, way).hull().range();
+  const ExtinctionPiece piece = exact.pieces[exact.piece_at(range.low)];
+  if (range.high <= piece.end) return depth_between(corners, way, piece, way.t0, way.t1);
   float depth = 0.0f;
   for_each_part(corners, way, exact, [&](const ExtinctionPiece& p, float ta, float tb) {
     depth += depth_between(corners, way, p, ta, tb);
