@@ -51,12 +51,12 @@ std::optional<std::string> take_text(std::string_view& from) {
 }
 
 std::string read_file(const std::string& path) {
-  std::error_code failed;
-  const std::uintmax_t size = fs::file_size(path, failed);
-  if (failed || size > kLargestFile) return {};
-  std::string bytes(size, '\0');
-  std::ifstream file(path, std::ios::binary);
-  if (!file.read(bytes.data(), static_cast<std::streamsize>(size))) return {};
+  // The size of what was opened: another file of another size may take its name at any moment.
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const std::streamoff size = file.tellg();
+  if (!file || size < 0 || static_cast<std::uint64_t>(size) > kLargestFile) return {};
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  if (!file.seekg(0) || !file.read(bytes.data(), size)) return {};
   return bytes;
 }
 
