@@ -34,9 +34,12 @@ def test_a_person_sees_turns_and_finds_again_the_own_scan(stack: TestStack, visi
     rested = wait_for_samples(stack, page, ENOUGH)
     first = pixels(page)
     assert spread(first) > 5
-    assert rested.epoch == early.epoch
     later = wait_for_samples(stack, page, 2 * rested.samples)
-    assert later.error < rested.error < early.error or early.error == float("inf")
+    # On a slow machine the very first picture is a small one: growing to the canvas begins an epoch, once.
+    assert early.epoch <= rested.epoch <= early.epoch + 1
+    assert later.epoch == rested.epoch
+    assert later.error < rested.error
+    assert rested.error < early.error or early.error == float("inf") or early.epoch < rested.epoch
     page.screenshot(path=pictures / "viewer.png")
 
     # Noise: the same scene again, from nothing (a change of size there and back begins a new epoch).
