@@ -193,11 +193,11 @@ std::vector<StabilityCase> light_cases() {
   for (const auto& [about, mode] :
        {std::pair{"surfaces", Shading::SURFACE}, std::pair{"hybrid shading", Shading::HYBRID}}) {
     cases.push_back({std::string("zero gradient everywhere: furnace, ") + about,
-                     [mode](Engine& e, const StabilityWish& w, StabilityRow& row) {
+                     [mode = mode](Engine& e, const StabilityWish& w, StabilityRow& row) {
                        furnace(e, w, test::constant_volume(32, 100), 0, mode, row);
                      }});
     cases.push_back({std::string("furnace, ") + about,
-                     [mode](Engine& e, const StabilityWish& w, StabilityRow& row) {
+                     [mode = mode](Engine& e, const StabilityWish& w, StabilityRow& row) {
                        furnace(e, w, test::skull_volume(), 0, mode, row);
                      }});
   }

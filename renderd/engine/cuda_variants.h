@@ -9,6 +9,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "renderd/engine/cuda_kernel_cache.h"
@@ -53,7 +54,9 @@ class VariantStore {
   struct Key {
     const KernelTemplate* kernel;
     std::uint32_t features;
-    auto operator<=>(const Key&) const = default;
+    bool operator<(const Key& other) const {
+      return std::tie(kernel, features) < std::tie(other.kernel, other.features);
+    }
   };
   struct Entry {
     std::shared_ptr<const Variant> variant;  ///< null while it compiles, or when it cannot

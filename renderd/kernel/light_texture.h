@@ -23,7 +23,7 @@ HOST_DEVICE TexturePoint map_point(float right, float middle, float up) {
 enum class TextureEdge { kClamp, kWrapAcross };
 
 /// Interpolated between the centres of the texels.
-template <TextureEdge edge>
+template <TextureEdge Edge>
 HOST_DEVICE Float3 colour_at(const LightsView& lights, const LightTexture& texture,
                              TexturePoint p) {
   const float across = p.across * static_cast<float>(texture.width) - 0.5f;
@@ -32,7 +32,7 @@ HOST_DEVICE Float3 colour_at(const LightsView& lights, const LightTexture& textu
   const float wx = across - x, wy = down - y;
   const auto column = [&](std::int32_t i) {
     const std::int32_t last = texture.width - 1;
-    if constexpr (edge == TextureEdge::kWrapAcross) return i < 0 ? last : (i > last ? 0 : i);
+    if constexpr (Edge == TextureEdge::kWrapAcross) return i < 0 ? last : (i > last ? 0 : i);
     return smaller(larger(i, 0), last);
   };
   const auto row = [&](std::int32_t j) { return smaller(larger(j, 0), texture.height - 1); };

@@ -42,11 +42,11 @@ HOST_DEVICE std::uint32_t pick_light(const LightsView& lights, float& u) {
 }
 
 /// The light's radiance at a point of it, `p` across and down its texture.
-template <Features F, TextureEdge edge = TextureEdge::kClamp>
+template <Features F, TextureEdge Edge = TextureEdge::kClamp>
 HOST_DEVICE Float3 radiance_at(const LightsView& lights, const AreaLight& light, TexturePoint p) {
   if constexpr (F.has(Feature::kTexturedLights)) {
     if (light.texture != kNoTexture) {
-      return light.radiance * colour_at<edge>(lights, lights.textures[light.texture], p);
+      return light.radiance * colour_at<Edge>(lights, lights.textures[light.texture], p);
     }
   }
   (void)lights;

@@ -74,7 +74,7 @@ std::vector<ExtinctionPiece> join_pieces(const float* extinction, std::int32_t c
 }
 
 std::vector<std::uint8_t> make_skips(const std::vector<std::uint8_t>& occupied, Int3 bricks) {
-  const auto [nx, ny, nz] = bricks;
+  const std::int32_t nx = bricks.x, ny = bricks.y, nz = bricks.z;
   const std::size_t count = occupied.size();
   std::vector<std::uint8_t> skips(8 * count);
   for (int octant = 0; octant < 8; ++octant) {
