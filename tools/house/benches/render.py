@@ -12,7 +12,7 @@ from ..bench import Result, result
 from ..bench_volumes import cranium
 from ..says import HouseError
 
-ABOUT = "samples per second of the cranium scene, time to an error of 0.05: on the CPU, and on a GPU where there is one"
+ABOUT = "samples per second of the cranium scene by tracking, time to an error of 0.05: on the CPU, and on a GPU where there is one"
 PROGRAMS = ("diaphane-render",)
 
 SIZES = {"512 x 512": ("512x512", 1), "1920 x 1080": ("1920x1080", 8)}
@@ -52,7 +52,7 @@ def _render(volume: str, engine: str, size: str, samples: int, seed: int, folder
     done = subprocess.run(
         [str(paths.build_dir() / "bin" / "diaphane-render"), volume, "--quiet", "--engine", engine, "--size", size,
          "--scene", str(paths.REPO / "tests" / "scenes" / "cranium.json"), "--samples", str(samples),
-         "--seed", str(seed), "--out", str(folder / "picture.ppm"), "--json", "-"], capture_output=True, text=True)
+         "--estimator", "tracking", "--seed", str(seed), "--out", str(folder / "picture.ppm"), "--json", "-"], capture_output=True, text=True)
     if done.returncode == NO_DEVICE and engine == "cuda":
         return None
     if done.returncode != 0:
