@@ -88,6 +88,8 @@ def test_everything_works_by_keys_alone(stack: TestStack, visit, cranium: Path):
     page.keyboard.press("Enter")
     expect(page.get_by_role("heading", name="Check your mail")).to_be_focused()
     page.goto(person.mailed_link())
+    # As a person does, who reads the heading first: it takes the focus when the page is there.
+    expect(page.get_by_role("heading", name="Welcome")).to_be_focused()
     page.get_by_role("link", name="Go to sign-in").press("Enter")
     person.sign_in()
     person.has_scan(cranium, "Head")
