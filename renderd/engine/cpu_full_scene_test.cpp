@@ -9,10 +9,10 @@
 
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <vector>
 
 #include "renderd/engine/cpu_engine.h"
+#include "renderd/engine/optics_test_support.h"
 #include "renderd/engine/reference_estimator.h"
 #include "renderd/math/test_statistics.h"
 #include "renderd/scene/test_scenes.h"
@@ -25,23 +25,11 @@ constexpr std::uint32_t kTile = 8, kPictures = 192, kSamples = 16;
 constexpr double kAlpha = 1e-4;
 
 volume::Volume oblique_volume() {
-  volume::Volume v =
+  return test::tilt(
       test::make_volume({20, 16, 11}, {1, 1.4, 2.3}, [](double x, double y, double z) {
         const double wave = std::sin(0.6 * x + 0.2 * z) * std::sin(0.5 * y) * std::cos(0.4 * z);
         return 500 + 500 * wave;
-      });
-  // A rotation by 25 degrees about z after one by 40 about x.
-  const double a = 25 * std::numbers::pi / 180, b = 40 * std::numbers::pi / 180;
-  v.header.direction = {std::cos(a),
-                        -std::sin(a) * std::cos(b),
-                        std::sin(a) * std::sin(b),
-                        std::sin(a),
-                        std::cos(a) * std::cos(b),
-                        -std::cos(a) * std::sin(b),
-                        0,
-                        std::sin(b),
-                        std::cos(b)};
-  return v;
+      }));
 }
 
 diaphane::v1::Scene full_scene(double g) {

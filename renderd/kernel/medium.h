@@ -98,15 +98,20 @@ HOST_DEVICE float largest_extinction(const TransferView& t, ValueSpan values) {
   return larger(maxima[first], maxima[last + 1 - run]) * kRounding;
 }
 
-/// Single-scattering albedo. Black where no channel is active.
-HOST_DEVICE Float3 albedo_at(const TransferView& t, float value) {
-  const TableSpot s = table_spot(t, value);
-  const Float4 a = t.colour[s.node], b = t.colour[s.node + 1];
+/// The mean colour at a place of a table of sums, xyz over w (TransferView::colour). Black where no
+/// channel is active.
+HOST_DEVICE Float3 mean_colour(const Float4* table, TableSpot s) {
+  const Float4 a = table[s.node], b = table[s.node + 1];
   const float w = a.w + s.weight * (b.w - a.w);
   if (!(w > 0.0f)) return {0.0f, 0.0f, 0.0f};
   const Float3 sum{a.x + s.weight * (b.x - a.x), a.y + s.weight * (b.y - a.y),
                    a.z + s.weight * (b.z - a.z)};
   return sum * (1.0f / w);
+}
+
+/// Single-scattering albedo.
+HOST_DEVICE Float3 albedo_at(const TransferView& t, float value) {
+  return mean_colour(t.colour, table_spot(t, value));
 }
 
 /// Of the microfacet lobe of surfaces.
@@ -132,13 +137,7 @@ HOST_DEVICE Gloss gloss_at(const TransferView& t, float value) {
 /// so it is added where a path collides. Black where the scene has no table of it.
 HOST_DEVICE Float3 emission_at(const TransferView& t, float value) {
   if (t.emission == nullptr) return {0.0f, 0.0f, 0.0f};
-  const TableSpot s = table_spot(t, value);
-  const Float4 a = t.emission[s.node], b = t.emission[s.node + 1];
-  const float w = a.w + s.weight * (b.w - a.w);
-  if (!(w > 0.0f)) return {0.0f, 0.0f, 0.0f};
-  const Float3 sum{a.x + s.weight * (b.x - a.x), a.y + s.weight * (b.y - a.y),
-                   a.z + s.weight * (b.z - a.z)};
-  return sum * (1.0f / w);
+  return mean_colour(t.emission, table_spot(t, value));
 }
 
 }  // namespace diaphane::render

@@ -6,7 +6,7 @@ namespace diaphane::render {
 
 /// How free flights and transmittances are found.
 enum class Walk : std::uint8_t {
-  kAuto,      ///< the exact walk wherever it applies
+  kAuto,      ///< the CPU: the exact walk wherever it applies; CUDA: tracking (docs/performance.md)
   kExact,     ///< the exact walk; refused where it does not apply
   kTracking,  ///< delta and residual ratio tracking everywhere: the reference
 };
