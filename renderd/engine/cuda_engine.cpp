@@ -17,8 +17,10 @@ class CudaEngine : public Engine {
   CudaEngine(EngineInfo info, const EngineOptions& options, int architecture)
       : info_(std::move(info)),
         lean_memory_(options.lean_memory),
-        variants_(std::make_shared<cuda::VariantStore>(options.kernels, options.kernel_cache,
-                                                       architecture)) {}
+        shares_{std::make_shared<cuda::VariantStore>(options.kernels, options.kernel_cache,
+                                                     architecture),
+                std::make_shared<cuda::DenoiserShare>(),
+                std::make_shared<cuda::ExactWorkspaceShare>()} {}
 
   EngineInfo info() const override { return info_; }
 
@@ -35,14 +37,12 @@ class CudaEngine : public Engine {
     if (!ours) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
     // The exact walk's bricks and nodes are a fifth of a volume and up to twice as much.
     if (lean_memory_ && method.walk == Walk::kAuto) method.walk = Walk::kTracking;
-    return cuda::CudaRenderer::make(std::move(ours), variants_, denoisers_, seed, first_sample,
-                                    method);
+    return cuda::CudaRenderer::make(std::move(ours), shares_, seed, first_sample, method);
   }
 
   EngineInfo info_;
   bool lean_memory_;
-  std::shared_ptr<cuda::VariantStore> variants_;
-  std::shared_ptr<cuda::DenoiserShare> denoisers_ = std::make_shared<cuda::DenoiserShare>();
+  cuda::DeviceShares shares_;
 };
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace diaphane::render::cuda {
 namespace {
 
 /// What an engine may launch; a kernel that is added belongs here.
-const KernelTemplate* const kKernels[] = {&kTraceKernel, &kExactKernel};
+const KernelTemplate* const kKernels[] = {&kTraceKernel, &kExactCamera, &kExactLight, &kExactOnwards};
 
 class NvrtcTest : public ::testing::Test {
  protected:

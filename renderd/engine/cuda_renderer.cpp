@@ -3,7 +3,6 @@
 #include <chrono>
 #include <limits>
 
-#include "renderd/engine/cuda_exact.h"
 #include "renderd/engine/cuda_trace.h"
 
 namespace diaphane::render::cuda {
@@ -25,13 +24,11 @@ tl::unexpected<Error> no_scene() {
 }  // namespace
 
 Result<std::unique_ptr<FrameRenderer>> CudaRenderer::make(std::shared_ptr<const CudaVolume> volume,
-                                                          std::shared_ptr<VariantStore> variants,
-                                                          std::shared_ptr<DenoiserShare> denoisers,
-                                                          std::uint64_t seed,
+                                                          DeviceShares shares, std::uint64_t seed,
                                                           std::uint64_t first_sample,
                                                           Method method) {
-  std::unique_ptr<CudaRenderer> renderer(new CudaRenderer(
-      std::move(volume), std::move(variants), std::move(denoisers), seed, first_sample, method));
+  std::unique_ptr<CudaRenderer> renderer(
+      new CudaRenderer(std::move(volume), std::move(shares), seed, first_sample, method));
   auto stream = Stream::make();
   if (!stream) return tl::unexpected(stream.error());
   renderer->stream_ = std::move(*stream);
@@ -152,14 +149,14 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   DIAPHANE_TRY(upload_tables(*prepared));
   // Without memory for guides the pictures are raw, no more.
   if (!film_->keep_guides(guided_)) DIAPHANE_TRY(film_->keep_guides(false));
-  denoiser_ = film_->guides() == nullptr ? nullptr : denoisers_->take();
+  denoiser_ = film_->guides() == nullptr ? nullptr : shares_.denoisers->take();
   DIAPHANE_TRY(film_->clear(stream_.get()));
   scene_ = scene;
   prepared_ = std::move(*prepared);
   prepared_.features = prepared_.features.with(
       Feature::kSteepExtinction, prepared_.matter && tables_.acceleration.steep(prepared_.spacing));
   DIAPHANE_TRY(prepare_exact());
-  choose_variants();
+  DIAPHANE_TRY(choose_variants());
   launch_size_.forget();
   seconds_ = 0;
   dropped_ = 0;
@@ -182,13 +179,24 @@ Result<void> CudaRenderer::note_launch(Flight& flight, std::uint64_t work) {
   return {};
 }
 
-const KernelTemplate& CudaRenderer::kernel() const { return exact_ ? kExactKernel : kTraceKernel; }
-
 Result<void> CudaRenderer::prepare_exact() {
-  // Only where it is asked for: as measured on an H200 it reaches an error of 0.05 sooner than
-  // tracking on dense matter and later on curves (docs/performance.md).
-  exact_ = method_.walk == Walk::kExact && use_exact_walk(prepared_, method_);
-  if (!exact_ || exact_of_ == prepared_.transfer) return {};
+  if (!use_exact_walk(prepared_, method_)) {
+    exact_.reset();
+    return {};
+  }
+  const auto made = make_exact();
+  if (made || made.error().code != ErrorCode::kOutOfMemory || method_.walk == Walk::kExact) {
+    return made;
+  }
+  // Tracking needs none of the memory, and gives the same picture later.
+  exact_.reset();
+  return {};
+}
+
+Result<void> CudaRenderer::make_exact() {
+  if (!exact_) exact_.emplace(shares_.workspaces->take());
+  DIAPHANE_TRY(exact_->reserve(prepared_));
+  if (exact_of_ == prepared_.transfer) return {};
   exact_of_ = nullptr;
   DIAPHANE_TRY(
       tables_.acceleration.rebuild_exact(*volume_, prepared_.transfer->exact, stream_.get()));
@@ -217,17 +225,22 @@ Result<bool> CudaRenderer::trace_until(std::uint64_t target, const std::function
   const SceneView<TextureVolume> scene = view();
   while (film_->samples() < target) {
     if (stop()) return false;
-    const RowCounts::Piece piece = film_->next(target, kMostSamples);
-    const std::uint32_t rows = smaller(launch_size_.rows(canvas.width, piece.samples, kStripeRows),
-                                       piece.last_row - piece.first_row);
+    const RowCounts::Piece piece = film_->next(target, exact_ ? exact_->samples() : kMostSamples);
+    std::uint32_t rows = smaller(launch_size_.rows(canvas.width, piece.samples, kStripeRows),
+                                 piece.last_row - piece.first_row);
+    if (exact_) rows = smaller(rows, exact_->rows(piece.samples));
     const Stripe stripe{.first_row = piece.first_row,
                         .rows = rows,
                         .film_sample = piece.film_sample,
                         .samples = piece.samples,
                         .lane_shift = lane_shift_for(piece.samples, kMostLaneShift)};
-    const bool guided = guided_variant_ != nullptr && piece.film_sample < kGuidedSamples;
-    DIAPHANE_CUDA_TRY((exact_ ? trace_exact : trace)(guided ? *guided_variant_ : *variant_, scene,
-                                                     stripe, film_->target(), stream_.get()));
+    if (exact_) {
+      DIAPHANE_TRY(exact_->launch(scene, stripe, film_->target(), stream_.get()));
+    } else {
+      const bool guided = guided_variant_ != nullptr && piece.film_sample < kGuidedSamples;
+      DIAPHANE_CUDA_TRY(trace(guided ? *guided_variant_ : *variant_, scene, stripe, film_->target(),
+                              stream_.get()));
+    }
     film_->done(piece, rows);
     DIAPHANE_TRY(note_launch(flight, std::uint64_t{canvas.width} * rows * stripe.samples));
   }
@@ -240,7 +253,7 @@ Result<Batch> CudaRenderer::render(std::uint32_t samples, const std::function<bo
   Batch batch;
   Flight flight;
   // The scene's own kernel may be ready by now; from the first sample on it is too late.
-  if (film_->empty()) choose_variants();
+  if (film_->empty()) DIAPHANE_TRY(choose_variants());
   DIAPHANE_CUDA_TRY(cudaEventRecord(events_[0].get(), stream_.get()));
   const std::uint64_t before = film_->samples();
   const auto whole = trace_until(before + samples, stop, flight);
@@ -286,11 +299,14 @@ Result<void> CudaRenderer::radiance(PictureRgbF& out) {
   return film_->radiance(out.pixels.data(), stream_.get());
 }
 
-void CudaRenderer::choose_variants() {
-  variant_ = variants_->get(kernel(), prepared_.features);
+Result<void> CudaRenderer::choose_variants() {
+  VariantStore& variants = *shares_.variants;
+  if (exact_) return exact_->choose_kernels(variants, prepared_.features);
+  variant_ = variants.get(kTraceKernel, prepared_.features);
   guided_variant_ = film_->guides() == nullptr
                         ? nullptr
-                        : variants_->get(kernel(), prepared_.features.with(Feature::kGuides));
+                        : variants.get(kTraceKernel, prepared_.features.with(Feature::kGuides));
+  return {};
 }
 
 float CudaRenderer::fade() {
@@ -348,14 +364,15 @@ std::vector<std::string> CudaRenderer::features() const {
 
 KernelReport CudaRenderer::report() const {
   KernelReport report;
-  report.note = variants_->note();
+  report.note = shares_.variants->note();
   if (!film_) return report;
-  list_features(variant_->features, report);
-  report.origin = variant_->origin;
-  report.compile_milliseconds = variant_->milliseconds;
-  report.from_cache = variant_->from_cache;
-  report.registers = variant_->registers;
-  report.local_bytes = variant_->local_bytes;
+  const Variant& variant = main_variant();
+  list_features(variant.features, report);
+  report.origin = variant.origin;
+  report.compile_milliseconds = variant.milliseconds;
+  report.from_cache = variant.from_cache;
+  report.registers = variant.registers;
+  report.local_bytes = variant.local_bytes;
   report.empty_cells = tables_.acceleration.empty_cells();
   report.volume_bytes = volume_->device_bytes();
   report.acceleration_bytes = tables_.acceleration.device_bytes();

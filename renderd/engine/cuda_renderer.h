@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "renderd/engine/cuda_acceleration.h"
+#include "renderd/engine/cuda_exact_path.h"
 #include "renderd/engine/cuda_film.h"
 #include "renderd/engine/cuda_launch_size.h"
 #include "renderd/engine/cuda_memory.h"
@@ -16,14 +17,19 @@
 
 namespace diaphane::render::cuda {
 
+/// What all sessions of a device share.
+struct DeviceShares {
+  std::shared_ptr<VariantStore> variants;
+  std::shared_ptr<DenoiserShare> denoisers;
+  std::shared_ptr<ExactWorkspaceShare> workspaces;
+};
+
 /// One session's picture on the device, on a stream of its own.
 class CudaRenderer : public FrameRenderer {
  public:
   static Result<std::unique_ptr<FrameRenderer>> make(std::shared_ptr<const CudaVolume> volume,
-                                                     std::shared_ptr<VariantStore> variants,
-                                                     std::shared_ptr<DenoiserShare> denoisers,
-                                                     std::uint64_t seed, std::uint64_t first_sample,
-                                                     Method method);
+                                                     DeviceShares shares, std::uint64_t seed,
+                                                     std::uint64_t first_sample, Method method);
   /// Waits for what the stream still does: it writes into memory of this renderer.
   ~CudaRenderer() override;
 
@@ -63,12 +69,10 @@ class CudaRenderer : public FrameRenderer {
     std::array<std::uint64_t, kAhead + 1> work{};
   };
 
-  CudaRenderer(std::shared_ptr<const CudaVolume> volume, std::shared_ptr<VariantStore> variants,
-               std::shared_ptr<DenoiserShare> denoisers, std::uint64_t seed,
+  CudaRenderer(std::shared_ptr<const CudaVolume> volume, DeviceShares shares, std::uint64_t seed,
                std::uint64_t first_sample, Method method)
       : volume_(std::move(volume)),
-        variants_(std::move(variants)),
-        denoisers_(std::move(denoisers)),
+        shares_(std::move(shares)),
         seed_(seed),
         first_sample_(first_sample),
         method_(method) {}
@@ -78,19 +82,21 @@ class CudaRenderer : public FrameRenderer {
   SceneView<TextureVolume> view() const;
   Result<void> upload_lights(const PreparedScene& prepared);
   LightArrays light_arrays() const;
-  const KernelTemplate& kernel() const;
+  /// Tables and memory of the exact walk where the scene is rendered by it.
   Result<void> prepare_exact();
+  Result<void> make_exact();
   /// Traces until every pixel has `target` samples; false when stopped before.
   Result<bool> trace_until(std::uint64_t target, const std::function<bool()>& stop, Flight& flight);
   Result<void> note_launch(Flight& flight, std::uint64_t work);
   /// The kernels for this scene, of the first samples and of those after.
-  void choose_variants();
+  Result<void> choose_variants();
+  /// What does most of the work.
+  const Variant& main_variant() const { return exact_ ? exact_->variant() : *variant_; }
   /// How far the picture is smoothed now; 0: not, and then for good: the guides are freed.
   float fade();
 
   std::shared_ptr<const CudaVolume> volume_;
-  std::shared_ptr<VariantStore> variants_;
-  std::shared_ptr<DenoiserShare> denoisers_;
+  DeviceShares shares_;
   std::shared_ptr<CudaDenoiser> denoiser_;  ///< while this picture may be smoothed
   bool guided_ = false;
   std::uint64_t seed_;
@@ -103,7 +109,7 @@ class CudaRenderer : public FrameRenderer {
   PreparedScene prepared_;
   Tables tables_;
   std::optional<CudaFilm> film_;                      ///< nothing before the first scene
-  bool exact_ = false;                                ///< by the exact walk
+  std::optional<ExactPath> exact_;                    ///< nothing while the scene is tracked
   std::shared_ptr<const PreparedTransfer> exact_of_;  ///< what its tables were made of
   /// Kept while the picture has samples: two kernels give the same estimate, not the same bits.
   std::shared_ptr<const Variant> variant_;

@@ -41,32 +41,56 @@ __device__ __forceinline__ ValueSpan TextureVolume::corner_range(Int3 cell) cons
   return range;
 }
 
-__device__ __forceinline__ Corners TextureVolume::corners(const CellCrossing& c) const {
-  const std::int32_t slot = slot_of[c.brick];
-  if (slot >= 0) {
-    const std::int32_t within = (c.cell.x & 3) | (c.cell.y & 3) << 2 | (c.cell.z & 3) << 4;
-    const int4 packed =
-        __ldg(reinterpret_cast<const int4*>(nodes + std::int64_t{slot} * 64 + within));
-    // 2^23 + n has n as its lowest bits: a number of 16 bits becomes a float by a byte permutation
-    // and a subtraction, where a conversion goes through a unit with an eighth of the rate.
-    const auto number = [](int two, unsigned bytes) {
-      return __uint_as_float(__byte_perm(static_cast<unsigned>(two), 0x4b000000u, bytes)) -
-             (8388608.0f + 32768.0f);
-    };
-    constexpr unsigned kLow = 0x7610, kHigh = 0x7632;
-    return {{number(packed.x, kLow), number(packed.x, kHigh), number(packed.y, kLow),
-             number(packed.y, kHigh), number(packed.z, kLow), number(packed.z, kHigh),
-             number(packed.w, kLow), number(packed.w, kHigh)}};
+__device__ __forceinline__ TextureVolume::Brick TextureVolume::brick(Int3 b,
+                                                                     std::int32_t index) const {
+  const std::int32_t slot = slot_of[index];
+  if (slot < 0) return {kNoNodes};
+  return {(slot << 3 * kBrickShift) - kBrickSize * (b.x + kBrickSize * (b.y + kBrickSize * b.z))};
+}
+
+/// As a node, of a cell that has none.
+__device__ __forceinline__ int4 packed_from_texture(cudaTextureObject_t texture, Int3 cell) {
+  unsigned pairs[4];
+  for (int row = 0; row < 4; ++row) {
+    const float y = static_cast<float>(cell.y - 1 + (row & 1)),
+                z = static_cast<float>(cell.z - 1 + (row >> 1));
+    const float x = static_cast<float>(cell.x);
+    const int low = tex3D<short>(texture, x - 1, y, z), high = tex3D<short>(texture, x, y, z);
+    pairs[row] = static_cast<unsigned>(low + 32768) | static_cast<unsigned>(high + 32768) << 16;
   }
-  Corners out;
-#pragma unroll
-  for (int corner = 0; corner < 8; ++corner) {
-    out.v[corner] =
-        static_cast<float>(tex3D<short>(texture, static_cast<float>(c.cell.x - 1 + (corner & 1)),
-                                        static_cast<float>(c.cell.y - 1 + (corner >> 1 & 1)),
-                                        static_cast<float>(c.cell.z - 1 + (corner >> 2))));
-  }
-  return out;
+  return {static_cast<int>(pairs[0]), static_cast<int>(pairs[1]), static_cast<int>(pairs[2]),
+          static_cast<int>(pairs[3])};
+}
+
+__device__ __forceinline__ int4 TextureVolume::packed(Int3 cell, Brick brick) const {
+  if (brick.first == kNoNodes) return packed_from_texture(texture, cell);
+  const std::int32_t node =
+      brick.first + cell.x + kBrickSize * cell.y + kBrickSize * kBrickSize * cell.z;
+  return __ldg(reinterpret_cast<const int4*>(nodes) + node);
+}
+
+__device__ __forceinline__ Corners TextureVolume::corners(Int3 cell, Brick brick) const {
+  const int4 four = packed(cell, brick);
+  // 2^23 + n has n as its lowest bits: a number of 16 bits becomes a float by a byte permutation
+  // and a subtraction, where a conversion goes through a unit with an eighth of the rate.
+  const auto number = [](int two, unsigned bytes) {
+    return __uint_as_float(__byte_perm(static_cast<unsigned>(two), 0x4b000000u, bytes)) -
+           (8388608.0f + 32768.0f);
+  };
+  constexpr unsigned kLow = 0x7610, kHigh = 0x7632;
+  return {{number(four.x, kLow), number(four.x, kHigh), number(four.y, kLow), number(four.y, kHigh),
+           number(four.z, kLow), number(four.z, kHigh), number(four.w, kLow),
+           number(four.w, kHigh)}};
+}
+
+__device__ __forceinline__ CornerRange TextureVolume::corner_values(Int3 cell, Brick brick) const {
+  const int4 four = packed(cell, brick);
+  const auto x = static_cast<unsigned>(four.x), y = static_cast<unsigned>(four.y),
+             z = static_cast<unsigned>(four.z), w = static_cast<unsigned>(four.w);
+  const unsigned low = __vminu2(__vminu2(x, y), __vminu2(z, w));
+  const unsigned high = __vmaxu2(__vmaxu2(x, y), __vmaxu2(z, w));
+  return {static_cast<std::int32_t>(smaller(low & 0xffffu, low >> 16)) - 32768,
+          static_cast<std::int32_t>(larger(high & 0xffffu, high >> 16)) - 32768};
 }
 
 }  // namespace diaphane::render::cuda

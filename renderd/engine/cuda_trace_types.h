@@ -26,10 +26,21 @@ struct TextureVolume {
   const CellNode* nodes;        ///< 64 for each slot; cells of a brick, x fastest
   const std::int32_t* slot_of;  ///< for each brick of ExactView; -1: none
 
+  /// Of the exact walk: the node of cell (0, 0, 0), were the brick's slot to reach so far.
+  struct Brick {
+    std::int32_t first;  ///< kNoNodes: the brick has none
+  };
+  static constexpr std::int32_t kNoNodes = -0x7fffffff - 1;
+
 #if defined(__CUDACC__)
   __device__ float at(Float3 index) const;
   __device__ ValueSpan corner_range(Int3 cell) const;
-  __device__ Corners corners(const CellCrossing& crossing) const;
+  __device__ Brick brick(Int3 brick, std::int32_t index) const;
+  __device__ Corners corners(Int3 cell, Brick brick) const;
+  __device__ CornerRange corner_values(Int3 cell, Brick brick) const;
+
+ private:
+  __device__ int4 packed(Int3 cell, Brick brick) const;
 #endif
 };
 

@@ -53,11 +53,12 @@ std::vector<Way> ways(const SceneView<LinearVolume>& view, int count) {
 }
 
 double walked_depth(const SceneView<LinearVolume>& view, const Way& way, int* cells = nullptr) {
-  ExactWalk walk(way.ray, way.span, view.exact);
-  CellCrossing c;
+  ExactWalk<LinearVolume> walk(way.ray, way.span, view.exact);
+  CellCrossing<LinearVolume> c;
   double depth = 0;
-  while (walk.next(view.exact, c)) {
-    depth += depth_of_cell<true>(view.volume.corners(c), c.way, view.exact);
+  while (walk.next(view.volume, view.exact, c)) {
+    depth += depth_of_cell<true>(view.volume.corners(c.cell, c.brick),
+                                 view.volume.corner_values(c.cell, c.brick), c.way, view.exact);
     if (cells != nullptr) ++*cells;
   }
   return depth;

@@ -24,7 +24,7 @@ inline constexpr float kCertainDepth = 5.0f;
 
 /// The transmittance along a ray, found in steps, so that a GPU may put another ray in its place
 /// when it ends. Unbiased; exact but for what is beyond kCertainDepth.
-template <Features F>
+template <Features F, typename Volume>
 class TransmittanceWalk {
  public:
   TransmittanceWalk() = default;  ///< to be assigned to
@@ -33,12 +33,36 @@ class TransmittanceWalk {
       : walk_(ray, span, exact), dark_(kCertainDepth + ending) {}
 
   /// One step, across a cell or over empty ones; false when the ray has ended.
-  template <typename Volume>
   HOST_DEVICE bool step(const Volume& volume, const ExactView& exact) {
+    bool parts = false;
+    if (!step_unless_parts(volume, exact, parts)) return false;
+    if constexpr (F.has(Feature::kCurves)) {
+      if (parts) return step_parts(volume, exact);
+    }
+    return true;
+  }
+  /// The same in two: what costs much, a cell with several pieces of the function, is left standing
+  /// with `parts` set, so that a GPU can gather rays that wait for it. Then step_parts() goes on.
+  HOST_DEVICE bool step_unless_parts(const Volume& volume, const ExactView& exact, bool& parts) {
     if (walk_.ended()) return false;
-    CellCrossing c;
-    if (!walk_.advance(exact, c)) return true;
-    depth_ += depth_of_cell<F.has(Feature::kCurves)>(volume.corners(c), c.way, exact);
+    CellCrossing<Volume> c;
+    if (!walk_.look(volume, exact, c)) return true;
+    ExtinctionPiece piece = exact.only;
+    if constexpr (F.has(Feature::kCurves)) {
+      if (!one_piece(exact, volume.corner_values(c.cell, c.brick), piece)) {
+        parts = true;
+        return true;
+      }
+    }
+    walk_.pass(c);
+    depth_ += depth_in(piece, volume.corners(c.cell, c.brick), c.way);
+    return depth_ < dark_;
+  }
+  HOST_DEVICE bool step_parts(const Volume& volume, const ExactView& exact) {
+    CellCrossing<Volume> c;
+    walk_.look(volume, exact, c);
+    walk_.pass(c);
+    depth_ += depth_of_parts(volume.corners(c.cell, c.brick), c.way, exact);
     return depth_ < dark_;
   }
   /// Once it has ended.
@@ -47,7 +71,7 @@ class TransmittanceWalk {
   }
 
  private:
-  ExactWalk walk_;
+  ExactWalk<Volume> walk_;
   float depth_ = 0.0f, dark_;
 };
 
@@ -117,12 +141,15 @@ HOST_DEVICE FirstWalk find_hits(const Ray& ray, Span span, const Volume& volume,
     if (count > 0) furthest = larger(furthest, strata[k].target(count - 1));
   }
   const float dark = furthest + (needs_transmittance ? ending : 0.0f);
-  ExactWalk walk(ray, span, exact);
-  CellCrossing c;
+  ExactWalk<Volume> walk(ray, span, exact);
+  CellCrossing<Volume> c;
   float depth = 0.0f;
-  while (walk.next(exact, c)) {
-    const Corners corners = volume.corners(c);
-    const float after = depth + depth_of_cell<F.has(Feature::kCurves)>(corners, c.way, exact);
+  while (walk.next(volume, exact, c)) {
+    constexpr bool kCurved = F.has(Feature::kCurves);
+    const Corners corners = volume.corners(c.cell, c.brick);
+    CornerRange range{0, 0};
+    if constexpr (kCurved) range = volume.corner_values(c.cell, c.brick);
+    const float after = depth + depth_of_cell<kCurved>(corners, range, c.way, exact);
     while (nearest < after) {
       float following = 3.4e38f;
       for (int k = 0; k < kKinds.count; ++k) {

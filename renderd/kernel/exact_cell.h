@@ -22,28 +22,26 @@ struct Corners {
     const float v0 = v00 + p.y * (v10 - v00), v1 = v01 + p.y * (v11 - v01);
     return v0 + p.z * (v1 - v0);
   }
-  HOST_DEVICE ValueSpan range() const {
-    ValueSpan r{v[0], v[0]};
-    for (int i = 1; i < 8; ++i) {
-      r.low = smaller(r.low, v[i]);
-      r.high = larger(r.high, v[i]);
-    }
-    return r;
-  }
 };
 
-/// A ray's way through a cell: `entry` is where in the cell it is at `t0`, `slope` how that changes
-/// per mm.
-struct Crossing {
-  Float3 entry, slope;
-  float t0, t1;  ///< mm
+/// Smallest and largest voxel value at the corners of a cell.
+struct CornerRange {
+  std::int32_t low, high;
+};
 
-  HOST_DEVICE Float3 at(float t) const { return entry + slope * (t - t0); }
+/// A ray's way through a cell, from t0 to t1 (mm): `origin` is the ray's own, counted from the
+/// cell's lower corner, `direction` is per mm.
+struct Crossing {
+  Float3 origin, direction;
+  float t0, t1;
+
+  /// Where in the cell.
+  HOST_DEVICE Float3 at(float t) const { return origin + direction * t; }
 };
 
 /// The extinction where it is linear in the value.
 HOST_DEVICE float extinction_in(const ExtinctionPiece& piece, float value) {
-  return larger(piece.extinction + piece.slope * (value - piece.begin), 0.0f);
+  return higher_of(piece.extinction + piece.slope * (value - piece.begin), 0.0f);
 }
 
 /// Optical depth from ta to tb: exact while every value between lies in the piece.
@@ -71,7 +69,8 @@ HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& way,
   const float c3 = -4.5f * e0 + 13.5f * e1 - 13.5f * e2 + 4.5f * e3;
   const float whole = length * (e0 + c1 * 0.5f + c2 * (1.0f / 3) + c3 * 0.25f);
   float low = 0.0f, high = 1.0f;
-  float s = whole > 0.0f ? smaller(target / whole, 1.0f) : 1.0f;
+  float s = whole > 0.0f ? smaller(quotient_near(target, whole), 1.0f) : 1.0f;
+  DEVICE_NO_UNROLL
   for (int i = 0; i < 8; ++i) {
     const float depth =
         length * s * (e0 + s * (c1 * 0.5f + s * (c2 * (1.0f / 3) + s * (c3 * 0.25f))));
@@ -84,7 +83,7 @@ HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& way,
       low = s;
     }
     const float slope = length * (e0 + s * (c1 + s * (c2 + s * c3)));
-    const float next = s - excess / slope;
+    const float next = s - quotient_near(excess, slope);
     // NaN (slope 0) fails the comparison too.
     s = next > low && next < high ? next : 0.5f * (low + high);
   }
@@ -97,7 +96,7 @@ struct ValueCubic {
 
   HOST_DEVICE ValueCubic(const Corners& c, const Crossing& way) {
     const float length = way.t1 - way.t0;
-    const Float3 p = way.entry, d = way.slope * length;
+    const Float3 p = way.at(way.t0), d = way.direction * length;
     const float* v = c.v;
     const float bx = v[1] - v[0], by = v[2] - v[0], bz = v[4] - v[0];
     const float cxy = v[3] - v[1] - by, czx = v[5] - v[4] - bx, cyz = v[6] - v[2] - bz;
@@ -152,8 +151,9 @@ struct ValueCubic {
   /// `to`. Within 3e-5: what that costs is of the order of its square.
   HOST_DEVICE float meets(float value, float a, float from, float b, float to) const {
     const bool rising = to > from;
-    float s = a + (b - a) * ((value - from) / (to - from));
+    float s = a + (b - a) * quotient_near(value - from, to - from);
     if (!(s > a && s < b)) s = 0.5f * (a + b);
+    DEVICE_NO_UNROLL
     for (int i = 0; i < 20; ++i) {
       const float excess = at(s) - value;
       if (excess == 0.0f) break;
@@ -162,7 +162,7 @@ struct ValueCubic {
       } else {
         a = s;
       }
-      const float next = s - excess / derivative(s);
+      const float next = s - quotient_near(excess, derivative(s));
       const float last = s;
       s = next > a && next < b ? next : 0.5f * (a + b);
       if (fabsf(s - last) < 3e-5f) break;
@@ -203,12 +203,24 @@ HOST_DEVICE bool for_each_part(const Corners& corners, const Crossing& way, cons
   return true;
 }
 
+/// The piece in which all values of a cell lie; false where they span several.
+HOST_DEVICE bool one_piece(const ExactView& exact, CornerRange range, ExtinctionPiece& piece) {
+  piece = exact.pieces[exact.piece_of[range.low - exact.first_value]];
+  return static_cast<float>(range.high) <= piece.end;
+}
+
+/// Optical depth of a crossing of a cell all of whose values lie in one piece.
+HOST_DEVICE float depth_in(const ExtinctionPiece& piece, const Corners& corners,
+                           const Crossing& way) {
+  return depth_between(corners, way, piece, way.t0, way.t1);
+}
+
 /// Optical depth of a crossing of a cell whose values span several pieces.
 HOST_DEVICE_SELDOM float depth_of_parts(Corners corners, Crossing way, const ExactView& exact) {
   // The ray's own values span less than the cell's: often one piece.
   const ValueSpan range = ValueCubic(corners, way).hull().range();
   const ExtinctionPiece piece = exact.pieces[exact.piece_at(range.low)];
-  if (range.high <= piece.end) return depth_between(corners, way, piece, way.t0, way.t1);
+  if (range.high <= piece.end) return depth_in(piece, corners, way);
   float depth = 0.0f;
   for_each_part(corners, way, exact, [&](const ExtinctionPiece& p, float ta, float tb) {
     depth += depth_between(corners, way, p, ta, tb);
@@ -217,20 +229,16 @@ HOST_DEVICE_SELDOM float depth_of_parts(Corners corners, Crossing way, const Exa
   return depth;
 }
 
-/// Optical depth of the whole crossing. `Curves`: Feature::kCurves.
+/// Optical depth of the whole crossing. `Curves`: Feature::kCurves; without, `range` says nothing.
 template <bool Curves>
-HOST_DEVICE float depth_of_cell(const Corners& corners, const Crossing& way,
-                                const ExactView& exact) {
+HOST_DEVICE float depth_of_cell(const Corners& corners, [[maybe_unused]] CornerRange range,
+                                const Crossing& way, const ExactView& exact) {
   if constexpr (!Curves) {
-    return depth_between(corners, way, exact.only, way.t0, way.t1);
+    return depth_in(exact.only, corners, way);
   } else {
-    const ValueSpan range = corners.range();
-    const ExtinctionPiece piece = exact.pieces[exact.piece_at(range.low)];
-    if (range.high <= piece.end) {
-      if (!(piece.extinction > 0.0f) && piece.slope == 0.0f) return 0.0f;
-      return depth_between(corners, way, piece, way.t0, way.t1);
-    }
-    return depth_of_parts(corners, way, exact);
+    ExtinctionPiece piece;
+    if (!one_piece(exact, range, piece)) return depth_of_parts(corners, way, exact);
+    return depth_in(piece, corners, way);
   }
 }
 

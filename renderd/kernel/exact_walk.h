@@ -7,10 +7,12 @@
 namespace diaphane::render {
 
 /// A cell of a ray's way.
+template <typename Volume>
 struct CellCrossing {
   Crossing way;
   Int3 cell;
-  std::int32_t brick;  ///< index of its brick
+  typename Volume::Brick brick;
+  Float3 planes;  ///< where the ray leaves it along each axis, mm
 };
 
 /// The cells between voxel centres along a ray, in order, without those of bricks where nothing is.
@@ -20,6 +22,7 @@ struct CellCrossing {
 /// Cells are counted in integers, a distance comes from an integer plane and not from the one
 /// before, and never goes back: rays along axes, through edges and corners, from inside and of zero
 /// components all end. A component of zero is made 1e-20: it reaches no plane.
+template <typename Volume>
 class ExactWalk {
  public:
   ExactWalk() = default;  ///< to be assigned to
@@ -29,36 +32,67 @@ class ExactWalk {
                    away_from_zero(ray.direction.z)},
         inverse_{1.0f / direction_.x, 1.0f / direction_.y, 1.0f / direction_.z},
         t_(span.begin),
-        last_(span.end) {
-    const std::int32_t octant = (direction_.x > 0.0f ? 1 : 0) | (direction_.y > 0.0f ? 2 : 0) |
-                                (direction_.z > 0.0f ? 4 : 0);
-    skips_ = exact.skips + std::int64_t{octant} * exact.brick_count;
+        last_(span.end),
+        octant_(((direction_.x > 0.0f ? 1 : 0) | (direction_.y > 0.0f ? 2 : 0) |
+                 (direction_.z > 0.0f ? 4 : 0)) *
+                exact.brick_count) {
+    bias_ = (Float3{ahead(direction_.x), ahead(direction_.y), ahead(direction_.z)} - origin_) *
+            inverse_;
     const Float3 p = origin_ + direction_ * t_;
-    put(Int3{cell_at(p.x, exact.size.x), cell_at(p.y, exact.size.y), cell_at(p.z, exact.size.z)});
+    cell_ = {cell_at(p.x, exact.size.x), cell_at(p.y, exact.size.y), cell_at(p.z, exact.size.z)};
   }
 
   HOST_DEVICE bool ended() const { return !(t_ < last_); }
 
-  /// One step, until it has ended: true when it was across a cell where something may be, false
-  /// when over empty bricks.
-  HOST_DEVICE bool advance(const ExactView& exact, CellCrossing& out) {
-    const Int3 brick{cell_.x >> kBrickShift, cell_.y >> kBrickShift, cell_.z >> kBrickShift};
-    const std::int32_t index = brick.x + exact.bricks.x * (brick.y + exact.bricks.y * brick.z);
-    const std::int32_t skip = skips_[index];
-    if (skip != 0) {
-      jump(brick, skip, exact);
-      return false;
+  /// Where the ray is, until it has ended: true when it is at a cell where something may be, and
+  /// pass() goes on from there. False when it went over empty bricks or left the volume.
+  HOST_DEVICE bool look(const Volume& volume, const ExactView& exact, CellCrossing<Volume>& out) {
+    if (new_brick_) {
+      const Int3 b{cell_.x >> kBrickShift, cell_.y >> kBrickShift, cell_.z >> kBrickShift};
+      if (!within(b, exact.bricks)) {
+        t_ = last_;
+        return false;
+      }
+      const std::int32_t index = b.x + exact.bricks.x * (b.y + exact.bricks.y * b.z);
+      const std::int32_t skip = exact.skips[octant_ + index];
+      brick_ = volume.brick(b, index);
+      if (skip != 0) {
+        jump(b, skip, exact);
+        return false;
+      }
+      new_brick_ = false;
     }
+    const Float3 corner = as_numbers(cell_);
+    // One rounding each where the processor has a fused multiply-add.
+    out.planes = corner * inverse_ + bias_;
+    const float leaves = lower_of(out.planes.x, lower_of(out.planes.y, out.planes.z));
+    out.way = {origin_ - corner, direction_, t_, lower_of(last_, higher_of(t_, leaves))};
     out.cell = cell_;
-    out.brick = index;
-    cross(exact, out.way);
+    out.brick = brick_;
     return true;
+  }
+  /// On to the neighbour of the cell that look() found.
+  HOST_DEVICE void pass(const CellCrossing<Volume>& at) {
+    // Beyond last_ nothing more is looked at.
+    t_ = at.way.t1;
+    const Float3 plane = at.planes;
+    const bool x = plane.x <= plane.y && plane.x <= plane.z;
+    const bool y = !x && plane.y <= plane.z;
+    // No branches: the rays of a warp leave through different sides.
+    const Int3 next{cell_.x + (x ? sign(direction_.x) : 0), cell_.y + (y ? sign(direction_.y) : 0),
+                    cell_.z + (x || y ? 0 : sign(direction_.z))};
+    new_brick_ =
+        (((next.x ^ cell_.x) | (next.y ^ cell_.y) | (next.z ^ cell_.z)) >> kBrickShift) != 0;
+    cell_ = next;
   }
 
   /// The next cell where something may be; false when the ray has left.
-  HOST_DEVICE bool next(const ExactView& exact, CellCrossing& out) {
+  HOST_DEVICE bool next(const Volume& volume, const ExactView& exact, CellCrossing<Volume>& out) {
     while (!ended()) {
-      if (advance(exact, out)) return true;
+      if (look(volume, exact, out)) {
+        pass(out);
+        return true;
+      }
     }
     return false;
   }
@@ -68,45 +102,25 @@ class ExactWalk {
     return fabsf(d) < 1e-20f ? (d < 0.0f ? -1e-20f : 1e-20f) : d;
   }
   HOST_DEVICE static std::int32_t up(float direction) { return direction > 0.0f ? 1 : 0; }
+  HOST_DEVICE static float ahead(float direction) { return direction > 0.0f ? 1.0f : 0.0f; }
+  HOST_DEVICE static std::int32_t sign(float direction) { return direction > 0.0f ? 1 : -1; }
   /// The comparison sends what is below the grid, and NaN, to 0.
   HOST_DEVICE static std::int32_t cell_at(float p, std::int32_t size) {
     return p > 0.0f ? static_cast<std::int32_t>(smaller(p, static_cast<float>(size))) : 0;
   }
+  /// A cell outside the volume is in another brick than those inside, or in the rest of the last
+  /// one, of which a ray within its span meets no more than rounding.
+  HOST_DEVICE static bool within(Int3 b, Int3 bricks) {
+    const auto in = [](std::int32_t i, std::int32_t n) {
+      return static_cast<std::uint32_t>(i) < static_cast<std::uint32_t>(n);
+    };
+    return in(b.x, bricks.x) && in(b.y, bricks.y) && in(b.z, bricks.z);
+  }
   HOST_DEVICE float plane_distance(int axis, float plane) const {
     return (plane - origin_[axis]) * inverse_[axis];
   }
-  HOST_DEVICE void put(Int3 cell) {
-    cell_ = cell;
-    corner_ = {static_cast<float>(cell.x), static_cast<float>(cell.y), static_cast<float>(cell.z)};
-  }
-  HOST_DEVICE static float ahead(float direction) { return direction > 0.0f ? 1.0f : 0.0f; }
-  HOST_DEVICE static std::int32_t sign(float direction) { return direction > 0.0f ? 1 : -1; }
-  HOST_DEVICE static float sign_f(float direction) { return direction > 0.0f ? 1.0f : -1.0f; }
-
-  /// The way through the cell, and on to its neighbour.
-  HOST_DEVICE void cross(const ExactView& exact, Crossing& way) {
-    const float x = plane_distance(0, corner_.x + ahead(direction_.x));
-    const float y = plane_distance(1, corner_.y + ahead(direction_.y));
-    const float z = plane_distance(2, corner_.z + ahead(direction_.z));
-    way.entry = origin_ + direction_ * t_ - corner_;
-    way.slope = direction_;
-    way.t0 = t_;
-    const float end = larger(t_, smaller(x, smaller(y, z)));
-    way.t1 = smaller(last_, end);
-    t_ = end;
-    if (x <= y && x <= z) {
-      cell_.x += sign(direction_.x);
-      corner_.x += sign_f(direction_.x);
-      leave_unless_within(cell_.x, exact.size.x);
-    } else if (y <= z) {
-      cell_.y += sign(direction_.y);
-      corner_.y += sign_f(direction_.y);
-      leave_unless_within(cell_.y, exact.size.y);
-    } else {
-      cell_.z += sign(direction_.z);
-      corner_.z += sign_f(direction_.z);
-      leave_unless_within(cell_.z, exact.size.z);
-    }
+  HOST_DEVICE static Float3 as_numbers(Int3 i) {
+    return {static_cast<float>(i.x), static_cast<float>(i.y), static_cast<float>(i.z)};
   }
 
   /// Over empty bricks: `skip` of them along each axis in the ray's direction, this one included.
@@ -128,28 +142,25 @@ class ExactWalk {
             forward(direction_.z, cell_.z, cell_at(p.z, exact.size.z))};
     if (x <= y && x <= z) {
       on.x = px - 1 + up(direction_.x);
-      leave_unless_within(on.x, exact.size.x);
     } else if (y <= z) {
       on.y = py - 1 + up(direction_.y);
-      leave_unless_within(on.y, exact.size.y);
     } else {
       on.z = pz - 1 + up(direction_.z);
-      leave_unless_within(on.z, exact.size.z);
     }
-    put(on);
+    cell_ = on;
+    new_brick_ = true;
   }
   HOST_DEVICE static std::int32_t forward(float direction, std::int32_t a, std::int32_t b) {
     return direction > 0.0f ? larger(a, b) : smaller(a, b);
   }
-  HOST_DEVICE void leave_unless_within(std::int32_t cell, std::int32_t size) {
-    if (static_cast<std::uint32_t>(cell) > static_cast<std::uint32_t>(size)) t_ = last_;
-  }
 
   Float3 origin_, direction_, inverse_;  ///< in cells
+  Float3 bias_;                          ///< planes of the cell at 0: where the ray meets them, mm
   float t_, last_;
   Int3 cell_;
-  Float3 corner_;  ///< the same as numbers that planes are found from: converting costs
-  const std::uint8_t* skips_;
+  std::int32_t octant_;  ///< of ExactView::skips: where the ray's octant begins
+  bool new_brick_ = true;
+  typename Volume::Brick brick_;
 };
 
 }  // namespace diaphane::render

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "renderd/kernel/exact_walk.h"
+#include "renderd/kernel/exact_cell.h"
 #include "renderd/kernel/views.h"
 #include "renderd/math/vector.h"
 
@@ -45,18 +45,34 @@ HOST_DEVICE ValueSpan LinearVolume::corner_range(Int3 cell) const {
   return {static_cast<float>(low), static_cast<float>(high)};
 }
 
-HOST_DEVICE Corners LinearVolume::corners(const CellCrossing& c) const {
-  const std::int32_t x0 = larger(c.cell.x - 1, 0), x1 = smaller(c.cell.x, size.x - 1);
-  const std::int32_t y0 = larger(c.cell.y - 1, 0), y1 = smaller(c.cell.y, size.y - 1);
-  const std::int32_t z0 = larger(c.cell.z - 1, 0), z1 = smaller(c.cell.z, size.z - 1);
+/// The voxels below and above a cell along one axis. A cell may lie one beyond the last.
+struct CellEnds {
+  std::int32_t low, high;
+
+  HOST_DEVICE CellEnds(std::int32_t cell, std::int32_t size)
+      : low(smaller(larger(cell - 1, 0), size - 1)), high(smaller(cell, size - 1)) {}
+};
+
+HOST_DEVICE Corners LinearVolume::corners(Int3 cell, Brick /*brick*/) const {
+  const CellEnds x(cell.x, size.x), y(cell.y, size.y), z(cell.z, size.z);
   const std::int64_t row = size.x, slice = row * size.y;
-  const std::int16_t* v00 = voxels + row * y0 + slice * z0;
-  const std::int16_t* v10 = voxels + row * y1 + slice * z0;
-  const std::int16_t* v01 = voxels + row * y0 + slice * z1;
-  const std::int16_t* v11 = voxels + row * y1 + slice * z1;
+  const std::int16_t* v00 = voxels + row * y.low + slice * z.low;
+  const std::int16_t* v10 = voxels + row * y.high + slice * z.low;
+  const std::int16_t* v01 = voxels + row * y.low + slice * z.high;
+  const std::int16_t* v11 = voxels + row * y.high + slice * z.high;
   const auto number = [](std::int16_t v) { return static_cast<float>(v); };
-  return {{number(v00[x0]), number(v00[x1]), number(v10[x0]), number(v10[x1]), number(v01[x0]),
-           number(v01[x1]), number(v11[x0]), number(v11[x1])}};
+  return {{number(v00[x.low]), number(v00[x.high]), number(v10[x.low]), number(v10[x.high]),
+           number(v01[x.low]), number(v01[x.high]), number(v11[x.low]), number(v11[x.high])}};
+}
+
+HOST_DEVICE CornerRange LinearVolume::corner_values(Int3 cell, Brick brick) const {
+  const Corners c = corners(cell, brick);
+  float low = c.v[0], high = c.v[0];
+  for (int i = 1; i < 8; ++i) {
+    low = smaller(low, c.v[i]);
+    high = larger(high, c.v[i]);
+  }
+  return {static_cast<std::int32_t>(low), static_cast<std::int32_t>(high)};
 }
 
 /// A place in the transfer function's tables: between `node` and `node + 1`.

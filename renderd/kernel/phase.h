@@ -29,6 +29,22 @@ HOST_DEVICE float sample_one_minus_cos(float g, float u) {
   return o * (1.0f - u) * (s + o) / d;
 }
 
+/// `turn` in [0, 1) is a part of a full turn.
+struct CirclePoint {
+  float cosine, sine;
+};
+HOST_DEVICE CirclePoint on_circle(float turn) {
+#if defined(__CUDA_ARCH__)
+  // Without the reduction of large angles, which there are none of.
+  CirclePoint p;
+  sincospif(2.0f * turn, &p.sine, &p.cosine);
+  return p;
+#else
+  const float angle = 2.0f * kPi * turn;
+  return {cosf(angle), sinf(angle)};
+#endif
+}
+
 /// A unit direction distributed as Henyey-Greenstein around the unit direction `in`; g in (-1, 1).
 HOST_DEVICE Float3 sample_henyey_greenstein(float g, Float3 in, float u, float v) {
   const float c = smaller(sample_one_minus_cos(fabsf(g), u), 2.0f);
@@ -36,16 +52,16 @@ HOST_DEVICE Float3 sample_henyey_greenstein(float g, Float3 in, float u, float v
   const float cosine = g < 0.0f ? c - 1.0f : 1.0f - c;
   Float3 s, t;
   basis_around(in, s, t);
-  const float angle = 2.0f * kPi * v;
-  return s * (sine * cosf(angle)) + t * (sine * sinf(angle)) + in * cosine;
+  const CirclePoint p = on_circle(v);
+  return s * (sine * p.cosine) + t * (sine * p.sine) + in * cosine;
 }
 
 /// A unit direction, uniform over the sphere.
 HOST_DEVICE Float3 sample_sphere(float u, float v) {
   const float z = 1.0f - 2.0f * u;
   const float r = 2.0f * sqrtf(larger(u * (1.0f - u), 0.0f));
-  const float angle = 2.0f * kPi * v;
-  return {r * cosf(angle), r * sinf(angle), z};
+  const CirclePoint p = on_circle(v);
+  return {r * p.cosine, r * p.sine, z};
 }
 
 }  // namespace diaphane::render

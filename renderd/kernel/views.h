@@ -19,8 +19,8 @@ namespace diaphane::render {
 inline constexpr int kCellShift = 3;
 inline constexpr int kCellSize = 1 << kCellShift;
 
-struct Corners;       // exact_cell.h
-struct CellCrossing;  // exact_walk.h
+struct Corners;      // exact_cell.h
+struct CornerRange;  // exact_cell.h
 
 /// Voxel values from `low` to `high`.
 struct ValueSpan {
@@ -38,7 +38,13 @@ struct LinearVolume {
   HOST_DEVICE float at(Float3 p) const;
   /// Smallest and largest of the eight corners of a cell between voxel centres (VoxelWalk).
   HOST_DEVICE ValueSpan corner_range(Int3 cell) const;
-  HOST_DEVICE Corners corners(const CellCrossing& crossing) const;
+
+  // Of cells between voxel centres (ExactWalk).
+  /// What an engine looks up once for all cells of a brick: nothing here.
+  struct Brick {};
+  HOST_DEVICE Brick brick(Int3 /*brick*/, std::int32_t /*index*/) const { return {}; }
+  HOST_DEVICE Corners corners(Int3 cell, Brick brick) const;
+  HOST_DEVICE CornerRange corner_values(Int3 cell, Brick brick) const;
 };
 
 /// Extinction and colour by value, baked to tables of `count` >= 2 nodes and interpolated linearly.

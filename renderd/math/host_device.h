@@ -4,6 +4,8 @@
 // per instruction set, and a shared out-of-line copy of an inline function could be the one for the
 // wrong processor.
 #if defined(__CUDACC__)
+// Before a loop whose code is to be there once, whatever is known of its length.
+#define DEVICE_NO_UNROLL _Pragma("unroll 1")
 #define HOST_DEVICE __host__ __device__ __forceinline__
 // What is seldom needed, out of the way of what is: on a GPU its registers would be taken from all.
 #if defined(DIAPHANE_INLINE_ALL)
@@ -12,6 +14,7 @@
 #define HOST_DEVICE_SELDOM __host__ __device__ __noinline__ inline
 #endif
 #else
+#define DEVICE_NO_UNROLL
 #define HOST_DEVICE [[gnu::always_inline]] inline
 #define HOST_DEVICE_SELDOM HOST_DEVICE
 #endif

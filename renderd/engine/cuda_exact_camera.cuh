@@ -1,0 +1,136 @@
+#pragma once
+
+#include "renderd/engine/cuda_exact_types.h"
+#include "renderd/engine/cuda_texture_volume.cuh"
+#include "renderd/kernel/exact_estimator.h"
+
+// Kernel 1 of the exact walk, for nvcc (ahead of time) and for NVRTC: a thread an item.
+
+namespace diaphane::render::cuda {
+
+#if !defined(DIAPHANE_CAMERA_BLOCKS)
+#define DIAPHANE_CAMERA_BLOCKS 12
+#endif
+inline constexpr int kCameraBlock = 64;  ///< threads
+
+/// Strata of the kinds before.
+HOST_DEVICE std::int32_t strata_before(const ExactView& exact, int kind) {
+  std::int32_t sum = 0;
+  for (int k = 0; k < kind; ++k) sum += exact.strata[k];
+  return sum;
+}
+
+/// A warp's hits, until it is known how many there are. Kept by the stratum of all kinds and the
+/// lane: no two lanes want the same bank.
+struct StagedHits {
+  float* memory;
+  std::int32_t strata;
+  std::uint32_t lane;
+
+  static constexpr int kFields = 3;
+  HOST_DEVICE static std::size_t bytes(std::int32_t strata) {
+    return sizeof(float) * kTilePixels * kFields * static_cast<std::size_t>(strata);
+  }
+  __device__ __forceinline__ float& at(int field, std::int32_t stratum) const {
+    return memory[(field * strata + stratum) * static_cast<std::int32_t>(kTilePixels) +
+                  static_cast<std::int32_t>(lane)];
+  }
+};
+
+/// Copies a tile's hits of the kinds from `first` to `end` side by side to hits[base ...], in the
+/// order of strata and, in a stratum, of lanes; gather_kernel counts the same way.
+__device__ __forceinline__ void copy_hits(const ExactView& exact, const StagedHits& staged,
+                                          const ExactItem& item, int first, int end,
+                                          std::uint32_t slot, HitRecord* hits) {
+  std::uint32_t next = 0;
+  for (int kind = first; kind < end; ++kind) {
+    const std::int32_t before = strata_before(exact, kind), mine = item.hits_of(kind);
+    for (std::int32_t s = 0; s < exact.strata[kind]; ++s) {
+      const std::uint32_t which = __ballot_sync(~0u, s < mine);
+      if (which == 0) break;  // the strata after have none either
+      if (s < mine) {
+        const std::int32_t stratum = before + s;
+        hits[next + __popc(which & ((1u << staged.lane) - 1u))] = {
+            staged.at(0, stratum), staged.at(1, stratum), staged.at(2, stratum),
+            slot + static_cast<std::uint32_t>(stratum)};
+      }
+      next += static_cast<std::uint32_t>(__popc(which));
+    }
+  }
+}
+
+/// Of all lanes.
+__device__ __forceinline__ std::uint32_t hits_in_tile(const ExactItem& item, int first, int end) {
+  std::int32_t mine = 0;
+  for (int kind = first; kind < end; ++kind) mine += item.hits_of(kind);
+  return __reduce_add_sync(~0u, static_cast<std::uint32_t>(mine));
+}
+
+template <std::uint32_t Bits>
+__global__ void __launch_bounds__(kCameraBlock, DIAPHANE_CAMERA_BLOCKS)
+    camera_kernel(const __grid_constant__ SceneView<TextureVolume> scene,
+                  const __grid_constant__ Stripe stripe,
+                  const __grid_constant__ ExactScratch scratch) {
+  constexpr Features kF = Features{Bits};
+  extern __shared__ float memory[];
+  const std::uint32_t tile = (blockIdx.x * kCameraBlock + threadIdx.x) / kTilePixels,
+                      lane = threadIdx.x % kTilePixels;
+  const TileGrid tiles = tiles_of(scene.width, scene.height, stripe);
+  if (tile >= tiles.per_sample() * stripe.samples) return;
+  const ItemPlace place = place_of(tiles, stripe, tile, lane);
+  const std::int32_t strata = strata_before(scene.exact, kHitKinds);
+  const StagedHits staged{memory + threadIdx.x / kTilePixels * kTilePixels * StagedHits::kFields *
+                                       static_cast<std::uint32_t>(strata),
+                          strata, lane};
+
+  ExactItem item{};
+  if (place.x < scene.width && place.y < scene.height) {
+    const CameraSample<kF, TextureVolume> camera(scene, place.x, place.y, place.sample);
+    item.origin = camera.camera.ray.origin;
+    item.direction = camera.camera.ray.direction;
+    item.span = camera.sight.span;
+    float transmittance = 1.0f;
+    bool met = camera.sight.slice;
+    if (camera.sight.span.begin < camera.sight.span.end) {
+      const FirstWalk first = walk_camera_ray<kF>(
+          scene, camera,
+          [&](int kind, std::int32_t stratum, const Corners&, const Crossing& way, float depth) {
+            const std::int32_t s = strata_before(scene.exact, kind) + stratum;
+            staged.at(0, s) = way.t0;
+            staged.at(1, s) = way.t1;
+            staged.at(2, s) = depth;
+            item.hits += 1u << 6 * kind;
+          });
+      transmittance = first.transmittance;
+      met |= first.met_matter;
+    }
+    item.radiance = camera.sight.behind * transmittance;
+    if (met) item.hits |= kItemMet;
+    // Less than half a level of the display is not seen of it.
+    if (camera.sight.slice && transmittance > 0.5f / 255.0f) item.hits |= kItemShowsSlice;
+  }
+  const std::uint32_t number = tile * kTilePixels + lane;
+  scratch.items[number] = item;
+
+  TileHits base{};
+  const std::uint32_t light = hits_in_tile(item, 0, kOnwards),
+                      onwards = hits_in_tile(item, kOnwards, kHitKinds);
+  if (lane == 0) {
+    if (light > 0) base.light = atomicAdd(scratch.counters + kLightHits, light);
+    if (onwards > 0) {
+      base.onwards = scratch.onwards + atomicAdd(scratch.counters + kOnwardsHits, onwards);
+    }
+    scratch.tiles[tile] = base;
+  }
+  const std::uint32_t slot = number * kMostHits;
+  if (light > 0) {
+    const std::uint32_t first = __shfl_sync(~0u, base.light, 0);
+    copy_hits(scene.exact, staged, item, 0, kOnwards, slot, scratch.hits + first);
+  }
+  if (onwards > 0) {
+    const std::uint32_t first = __shfl_sync(~0u, base.onwards, 0);
+    copy_hits(scene.exact, staged, item, kOnwards, kHitKinds, slot, scratch.hits + first);
+  }
+}
+
+}  // namespace diaphane::render::cuda

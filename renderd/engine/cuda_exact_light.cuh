@@ -1,0 +1,210 @@
+#pragma once
+
+#include "renderd/engine/cuda_exact_camera.cuh"
+
+// Kernel 2 of the exact walk, for nvcc (ahead of time) and for NVRTC: from the hits to the lights.
+// Warps take hits from the list until there are none. 32 of them are aimed together, each at a
+// light, and go onto a stack; whichever lane is free takes the next ray from it: a ray ends after 3
+// cells or after 300, and lanes that waited for the longest of their warp would idle most of the
+// time. What a ray finds goes back to its hit, so no sum depends on who was free when.
+
+namespace diaphane::render::cuda {
+
+/// Blocks that fit on a multiprocessor: caps the registers.
+#if !defined(DIAPHANE_LIGHT_BLOCKS)
+#define DIAPHANE_LIGHT_BLOCKS 8
+#endif
+/// So many lanes of a warp must be free before they take new rays together: starting one costs as
+/// much as some cells, and lanes that start at different times would make the others wait each
+/// time.
+#if !defined(DIAPHANE_LIGHT_REFILL)
+#define DIAPHANE_LIGHT_REFILL 8
+#endif
+/// So many must wait at a cell of several pieces before these are done together.
+#if !defined(DIAPHANE_LIGHT_PARTS)
+#define DIAPHANE_LIGHT_PARTS 12
+#endif
+/// Steps between two looks at who is free.
+#if !defined(DIAPHANE_LIGHT_STEPS)
+#define DIAPHANE_LIGHT_STEPS 2
+#endif
+inline constexpr int kLightBlock = 128;  ///< threads
+
+/// Rays that wait for a lane; a batch goes on when fewer than 32 are left.
+struct RayStack {
+  static constexpr int kRoom = 64;
+  Float3 origin[kRoom], direction[kRoom];
+  Span span[kRoom];
+  float ending[kRoom];
+  std::uint32_t hit[kRoom];
+};
+
+/// The crossing of the cell in which a ray is between two distances, and its corners.
+__device__ __forceinline__ Corners cell_between(const SceneView<TextureVolume>& scene,
+                                                const Ray& ray, float from, float to,
+                                                Crossing& way) {
+  const Float3 origin = ray.origin + Float3{0.5f, 0.5f, 0.5f};
+  const Float3 middle = origin + ray.direction * (0.5f * (from + to));
+  const ExactView& e = scene.exact;
+  const auto cell_of = [](float p, std::int32_t size) {
+    return smaller(larger(static_cast<std::int32_t>(floorf(p)), 0), size);
+  };
+  const Int3 cell{cell_of(middle.x, e.size.x), cell_of(middle.y, e.size.y),
+                  cell_of(middle.z, e.size.z)};
+  const Int3 b{cell.x >> kBrickShift, cell.y >> kBrickShift, cell.z >> kBrickShift};
+  way = {origin - Float3{static_cast<float>(cell.x), static_cast<float>(cell.y),
+                         static_cast<float>(cell.z)},
+         ray.direction, from, to};
+  return scene.volume.corners(cell,
+                              scene.volume.brick(b, b.x + e.bricks.x * (b.y + e.bricks.y * b.z)));
+}
+
+/// Of a hit: what is to be done for its light.
+template <Features F>
+__device__ __forceinline__ HitTask task_of_record(const SceneView<TextureVolume>& scene,
+                                                  const Stripe& stripe, const ExactItem* items,
+                                                  const HitRecord& record, bool onwards) {
+  const std::uint32_t number = record.slot / kMostHits;
+  auto stratum = static_cast<std::int32_t>(record.slot % kMostHits);
+  const ItemPlace at = place_of(tiles_of(scene.width, scene.height, stripe), stripe,
+                                number / kTilePixels, number % kTilePixels);
+  int kind = 0;
+  while (stratum >= scene.exact.strata[kind]) stratum -= scene.exact.strata[kind++];
+  // Known when compiled: what only paths that go on need is left out of the other kernel.
+  if (onwards) kind = kOnwards;
+  CameraRay camera;
+  camera.ray = {items[number].origin, items[number].direction};
+  camera.direction = camera.ray.direction * scene.spacing;
+  Crossing way;
+  const Corners corners = cell_between(scene, camera.ray, record.a, record.b, way);
+  const float t = place_in_cell<F.has(Feature::kCurves)>(corners, way, scene.exact, record.c);
+  const std::uint32_t pixel = at.x + scene.width * at.y;
+  const Points points(scene.stream, pixel, at.sample);
+  const Random random(scene.seed, pixel, scene.first_sample + at.sample);
+  return task_of<F>(scene, camera, points, random, kind, stratum, Hit{t, corners.at(way.at(t))});
+}
+
+/// Aims the hit `index` and puts its ray, if there is one to be walked, onto the stack, which has
+/// `stacked`; how many it has then. Until it has been walked, the hit holds the ray's weight. By
+/// whole warps. Not in line: its many registers would be taken from the rays under way.
+template <Features F>
+__device__ __forceinline__ int aim(const SceneView<TextureVolume>& scene, const Stripe& stripe,
+                                   const ExactScratch& scratch, std::uint32_t index,
+                                   std::uint32_t total, RayStack& stack, int stacked) {
+  bool walks = false;
+  HitTask task;
+  if (index < total) {
+    HitRecord& record = scratch.hits[index];
+    task =
+        task_of_record<F.without(Feature::kBounces)>(scene, stripe, scratch.items, record, false);
+    walks = task.lit && task.span.begin < task.span.end;
+    if (!task.lit) task.weight = {0.0f, 0.0f, 0.0f};
+    if constexpr (F.has(Feature::kEmission)) {
+      scratch.glow[index] = {task.radiance.x, task.radiance.y, task.radiance.z, 0.0f};
+    }
+    record.a = task.weight.x;
+    record.b = task.weight.y;
+    record.c = task.weight.z;
+  }
+  const std::uint32_t which = __ballot_sync(~0u, walks), lane = threadIdx.x % 32;
+  if (walks) {
+    const int to = stacked + __popc(which & ((1u << lane) - 1u));
+    stack.origin[to] = task.ray.origin;
+    stack.direction[to] = task.ray.direction;
+    stack.span[to] = task.span;
+    stack.ending[to] = task.ending;
+    stack.hit[to] = index;
+  }
+  return stacked + __popc(which);
+}
+
+template <std::uint32_t Bits>
+__global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS)
+    light_kernel(const __grid_constant__ SceneView<TextureVolume> scene,
+                 const __grid_constant__ Stripe stripe,
+                 const __grid_constant__ ExactScratch scratch) {
+  constexpr Features kF{Bits};
+  constexpr bool kCurved = kF.has(Feature::kCurves);
+  __shared__ RayStack stacks[kLightBlock / 32];
+  RayStack& stack = stacks[threadIdx.x / 32];
+  const std::uint32_t lane = threadIdx.x % 32, below = (1u << lane) - 1u;
+  const std::uint32_t total = scratch.counters[kLightHits];
+  int stacked = 0;
+  bool more = true, active = false, parts = false;
+  std::uint32_t hit = 0;
+  TransmittanceWalk<kF, TextureVolume> walk;
+  const auto end = [&] {
+    const float seen = walk.transmittance();
+    HitRecord& record = scratch.hits[hit];
+    record.a *= seen;
+    record.b *= seen;
+    record.c *= seen;
+    active = false;
+  };
+  for (;;) {
+    const std::uint32_t idle = __ballot_sync(~0u, !active);
+    const int free = __popc(idle);
+    if (free >= ((more || stacked > 0) ? DIAPHANE_LIGHT_REFILL : 32)) {
+      while (more && stacked < free) {
+        std::uint32_t base = 0;
+        if (lane == 0) base = atomicAdd(scratch.counters + kLightTaken, 32u);
+        base = __shfl_sync(~0u, base, 0);
+        more = base + 32 < total;
+        stacked = aim<kF>(scene, stripe, scratch, base + lane, total, stack, stacked);
+      }
+      if (stacked == 0 && free == 32) return;
+      __syncwarp();
+      const int from = stacked - 1 - __popc(idle & below);
+      if (!active && from >= 0) {
+        walk =
+            TransmittanceWalk<kF, TextureVolume>(Ray{stack.origin[from], stack.direction[from]},
+                                                 stack.span[from], scene.exact, stack.ending[from]);
+        hit = stack.hit[from];
+        active = true;
+      }
+      stacked = larger(stacked - free, 0);
+      __syncwarp();
+    }
+    if constexpr (kCurved) {
+      const int waiting = __popc(__ballot_sync(~0u, parts));
+      const bool all = waiting > 0 && __ballot_sync(~0u, active && !parts) == 0;
+      if (waiting >= DIAPHANE_LIGHT_PARTS || all) {
+        if (parts) {
+          parts = false;
+          if (!walk.step_parts(scene.volume, scene.exact)) end();
+        }
+      }
+    }
+    if (active && !parts) {
+#pragma unroll
+      for (int i = 0; i < DIAPHANE_LIGHT_STEPS; ++i) {
+        if (!walk.step_unless_parts(scene.volume, scene.exact, parts)) {
+          end();
+          break;
+        }
+        if (kCurved && parts) break;
+      }
+    }
+  }
+}
+
+/// The paths of Feature::kBounces, from their first collision on: a thread a hit.
+template <std::uint32_t Bits>
+__global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS)
+    onwards_kernel(const __grid_constant__ SceneView<TextureVolume> scene,
+                   const __grid_constant__ Stripe stripe,
+                   const __grid_constant__ ExactScratch scratch) {
+  const std::uint32_t i = blockIdx.x * kLightBlock + threadIdx.x;
+  const std::uint32_t step = gridDim.x * kLightBlock;
+  for (std::uint32_t n = i; n < scratch.counters[kOnwardsHits]; n += step) {
+    HitRecord& record = scratch.hits[scratch.onwards + n];
+    const Float3 light = task_of_record<Features{Bits}.with(Feature::kBounces)>(
+                             scene, stripe, scratch.items, record, true)
+                             .radiance;
+    record.a = light.x;
+    record.b = light.y;
+    record.c = light.z;
+  }
+}
+
+}  // namespace diaphane::render::cuda

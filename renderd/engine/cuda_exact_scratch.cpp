@@ -1,0 +1,79 @@
+#include "renderd/engine/cuda_exact_scratch.h"
+
+#include <algorithm>
+
+namespace diaphane::render::cuda {
+namespace {
+
+template <typename T>
+Result<void> enlarge(DeviceBuffer<T>& buffer, std::uint64_t count) {
+  auto larger = grown(buffer, count);
+  if (!larger) return tl::unexpected(larger.error());
+  adopt(buffer, std::move(*larger));
+  return {};
+}
+
+std::uint64_t tiles_for(std::uint64_t items) { return (items + kTilePixels - 1) / kTilePixels; }
+
+}  // namespace
+
+std::uint64_t ExactWorkspace::room(const ExactNeeds& needs) const {
+  if (counters_.data() == nullptr) return 0;
+  std::uint64_t items = std::min<std::uint64_t>(items_.capacity(), kTilePixels * tiles_.capacity());
+  items = std::min<std::uint64_t>(items, hits_.capacity() / needs.strata());
+  if (needs.glow && needs.light_strata > 0) {
+    items = std::min<std::uint64_t>(items, glow_.capacity() / needs.light_strata);
+  }
+  return items;
+}
+
+Result<void> ExactWorkspace::grow(const ExactNeeds& needs, std::uint64_t items) {
+  if (!used_) {
+    auto event = Event::make();
+    if (!event) return tl::unexpected(event.error());
+    used_ = std::move(*event);
+  }
+  DIAPHANE_TRY(enlarge(counters_, kExactCounters));
+  DIAPHANE_TRY(enlarge(items_, items));
+  DIAPHANE_TRY(enlarge(tiles_, tiles_for(items)));
+  DIAPHANE_TRY(enlarge(hits_, items * needs.strata()));
+  return needs.glow ? enlarge(glow_, items * needs.light_strata) : Result<void>{};
+}
+
+Result<std::uint64_t> ExactWorkspace::reserve(const ExactNeeds& needs, std::uint64_t items,
+                                              std::uint64_t least) {
+  const std::scoped_lock lock(mutex_);
+  for (std::uint64_t wanted = items;; wanted /= 2) {
+    wanted = std::max(wanted, least);
+    if (room(needs) >= wanted) break;
+    const auto made = grow(needs, wanted);
+    if (made) break;
+    // Half of it does as well, in more launches.
+    if (made.error().code != ErrorCode::kOutOfMemory || wanted == least) {
+      return tl::unexpected(made.error());
+    }
+  }
+  return std::min(room(needs), items);
+}
+
+Result<void> ExactWorkspace::use(const ExactNeeds& needs, std::uint64_t items, cudaStream_t stream,
+                                 const Launch& launch) {
+  const std::scoped_lock lock(mutex_);
+  const ExactScratch scratch{.items = items_.data(),
+                             .tiles = tiles_.data(),
+                             .hits = hits_.data(),
+                             .glow = needs.glow ? glow_.data() : nullptr,
+                             .counters = counters_.data(),
+                             .onwards = static_cast<std::uint32_t>(items * needs.light_strata)};
+  DIAPHANE_CUDA_TRY(cudaStreamWaitEvent(stream, used_->get(), 0));
+  DIAPHANE_CUDA_TRY(launch(scratch));
+  DIAPHANE_CUDA_TRY(cudaEventRecord(used_->get(), stream));
+  return {};
+}
+
+std::uint64_t ExactWorkspace::device_bytes() const {
+  const std::scoped_lock lock(mutex_);
+  return items_.bytes() + tiles_.bytes() + hits_.bytes() + glow_.bytes() + counters_.bytes();
+}
+
+}  // namespace diaphane::render::cuda
