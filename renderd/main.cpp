@@ -40,6 +40,7 @@ struct Settings {
   std::size_t slots = 0;
   double max_error = 0;
   std::uint64_t volume_bytes = 0;
+  PolicyKind policy = PolicyKind::kMarginalGain;
   EngineOptions options;
 };
 
@@ -72,6 +73,10 @@ Settings read_settings(ConfigReader& in) {
   if (end == error.c_str() || *end != '\0' || !(settings.max_error > 0 && settings.max_error < 1)) {
     in.mistake("--max-error must be a number between 0 and 1");
   }
+  const std::string policy = in.one_of(
+      "schedule", "whose samples are rendered next",
+      {"marginal-gain", "error-proportional", "round-robin", "free-for-all"}, "marginal-gain");
+  settings.policy = policy_kind(policy).value_or(PolicyKind::kMarginalGain);
   settings.volume_bytes =
       static_cast<std::uint64_t>(
           in.integer("volume-memory-mb", "loaded volumes at most; 0: half of the device's memory",
@@ -163,7 +168,8 @@ int run(int argc, char** argv) {
   worker_options.encoder_threads =
       std::max(1U, std::min(8U, std::thread::hardware_concurrency() / 4));
   worker_options.host.slots = settings.slots;
-  worker_options.runner.target_error = settings.max_error;
+  worker_options.runner.rules.target_error = settings.max_error;
+  worker_options.policy = settings.policy;
   worker_options.runner.device_lost = leave_broken_device;
   RenderWorker worker(worker_options, std::move(*engine), metrics, clock);
 

@@ -21,6 +21,8 @@ using Clock = std::chrono::steady_clock;
 
 /// Pixels along a tile's edge: a unit of work, small enough that the last ones end together.
 constexpr std::uint32_t kWorkTile = 16;
+/// With so many for each thread, the last of a sample leave little of the machine idle.
+constexpr double kTilesAThread = 8;
 
 class CpuVolume final : public DeviceVolume {
  public:
@@ -207,7 +209,7 @@ class CpuEngine final : public Engine {
     const auto memory = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
                         static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
     return {"cpu", std::to_string(pool_->threads()) + " CPU threads (" + cpu_instructions() + ")",
-            memory};
+            memory, kTilesAThread * kWorkTile * kWorkTile * pool_->threads()};
   }
 
   Result<std::shared_ptr<const DeviceVolume>> load(const volume::Volume& volume) override {

@@ -58,8 +58,9 @@ Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineOptions& options) {
   DIAPHANE_CUDA_TRY(
       cudaFuncGetAttributes(&attributes, cuda::kTraceKernel.ahead_of_time(kAllFeatures).entry));
   return std::make_unique<CudaEngine>(
-      EngineInfo{"cuda", properties.name, properties.totalGlobalMem}, options,
-      10 * properties.major + properties.minor);
+      EngineInfo{"cuda", properties.name, properties.totalGlobalMem,
+                 double(properties.multiProcessorCount) * properties.maxThreadsPerMultiProcessor},
+      options, 10 * properties.major + properties.minor);
 }
 
 }  // namespace diaphane::render

@@ -34,6 +34,9 @@ struct EngineInfo {
   std::string engine;              ///< "cpu" or "cuda"
   std::string device;              ///< "2 CPU threads", "NVIDIA H200"
   std::uint64_t memory_bytes = 0;  ///< all of the device's; of the machine's for the CPU
+  /// Samples (of pixels) under way at once that keep it busy; 0: unknown. A quantum of fewer leaves
+  /// room for another session's.
+  double parallel = 0;
 };
 
 /// A volume on a device, shared by everybody who looks at it. Freed with the last holder.
@@ -60,8 +63,8 @@ struct Progress {
   double error = 0;
 };
 
-/// Renders one session's picture progressively. Not thread-safe; the runner calls it from one
-/// thread.
+/// Renders one session's picture progressively. Not thread-safe: called by one thread at a time,
+/// not always the same. Different renderers of an engine may be called at once.
 class FrameRenderer {
  public:
   virtual ~FrameRenderer() = default;

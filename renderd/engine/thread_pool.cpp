@@ -20,46 +20,49 @@ ThreadPool::~ThreadPool() {
 
 bool ThreadPool::run(std::uint32_t count, const std::function<void(std::uint32_t)>& work,
                      const std::function<bool()>& before_each) {
-  std::lock_guard turn(turn_);
+  Loop loop{.work = work, .count = count};
   {
     std::lock_guard lock(mutex_);
-    work_ = &work;
-    count_ = count;
-    next_ = 0;
-    stopped_ = false;
-    busy_ = static_cast<unsigned>(workers_.size());
-    ++loop_;
+    loops_.push_back(&loop);
   }
   begin_.notify_all();
-  take_pieces(before_each);
+  take_pieces(loop, before_each);
   std::unique_lock lock(mutex_);
-  end_.wait(lock, [this] { return busy_ == 0; });
-  work_ = nullptr;
-  return !stopped_;
+  // From here on nobody new comes to it.
+  loops_.remove(&loop);
+  loop.end.wait(lock, [&] { return loop.busy == 0; });
+  return !loop.stopped;
 }
 
-void ThreadPool::take_pieces(const std::function<bool()>& before_each) {
+void ThreadPool::take_pieces(Loop& loop, const std::function<bool()>& before_each) {
   for (;;) {
-    if (before_each && before_each()) stopped_ = true;
-    if (stopped_) return;
-    const std::uint32_t piece = next_.fetch_add(1);
-    if (piece >= count_) return;
-    (*work_)(piece);
+    if (before_each && before_each()) loop.stopped = true;
+    if (loop.stopped) return;
+    const std::uint32_t piece = loop.next.fetch_add(1);
+    if (piece >= loop.count) return;
+    loop.work(piece);
   }
+}
+
+ThreadPool::Loop* ThreadPool::open_loop() {
+  Loop* fewest = nullptr;
+  for (Loop* loop : loops_) {
+    if (loop->open() && (!fewest || loop->busy < fewest->busy)) fewest = loop;
+  }
+  return fewest;
 }
 
 void ThreadPool::worker() {
-  std::uint64_t seen = 0;
+  std::unique_lock lock(mutex_);
   for (;;) {
-    {
-      std::unique_lock lock(mutex_);
-      begin_.wait(lock, [&] { return closing_ || loop_ != seen; });
-      if (closing_) return;
-      seen = loop_;
-    }
-    take_pieces(nullptr);
-    std::lock_guard lock(mutex_);
-    if (--busy_ == 0) end_.notify_one();
+    Loop* loop = nullptr;
+    begin_.wait(lock, [&] { return closing_ || (loop = open_loop()) != nullptr; });
+    if (closing_) return;
+    ++loop->busy;
+    lock.unlock();
+    take_pieces(*loop, nullptr);
+    lock.lock();
+    if (--loop->busy == 0) loop->end.notify_one();
   }
 }
 

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <list>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -11,7 +12,8 @@
 namespace diaphane::render {
 
 /// Threads that stay, for loops of independent pieces of work. The caller works too, so a pool of n
-/// threads starts n - 1. One loop at a time; callers from several threads take turns.
+/// threads starts n - 1. Loops of several callers go on at once: each caller works on its own, and
+/// the pool's threads go where the fewest are, so that they take pieces of all.
 class ThreadPool {
  public:
   /// 0: as many as the machine has cores.
@@ -29,19 +31,25 @@ class ThreadPool {
            const std::function<bool()>& before_each = nullptr);
 
  private:
-  void worker();
-  void take_pieces(const std::function<bool()>& before_each);
+  struct Loop {
+    const std::function<void(std::uint32_t)>& work;
+    std::uint32_t count;
+    std::atomic<std::uint32_t> next{0};
+    std::atomic<bool> stopped{false};
+    unsigned busy = 0;  // workers in it
+    std::condition_variable end{};
 
-  std::mutex turn_;  ///< held for a whole loop
+    bool open() const { return !stopped && next < count; }
+  };
+
+  void worker();
+  Loop* open_loop();  // under the lock: the one with the fewest workers
+  static void take_pieces(Loop& loop, const std::function<bool()>& before_each);
+
   std::mutex mutex_;
-  std::condition_variable begin_, end_;
-  std::uint64_t loop_ = 0;  ///< number of the loop under way; workers wait for a change
-  unsigned busy_ = 0;
+  std::condition_variable begin_;
+  std::list<Loop*> loops_;  ///< on their callers' stacks
   bool closing_ = false;
-  const std::function<void(std::uint32_t)>* work_ = nullptr;
-  std::uint32_t count_ = 0;
-  std::atomic<std::uint32_t> next_{0};
-  std::atomic<bool> stopped_{false};
   std::vector<std::thread> workers_;
 };
 

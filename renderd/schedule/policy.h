@@ -1,38 +1,80 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
-#include <string>
+#include <string_view>
+#include <vector>
 
 namespace diaphane::render {
 
-/// What is known of a session when the next quantum is decided. Plain data; times are durations
-/// that the runner measured, so that a policy needs no clock.
+/// What is known of a session when the next quanta are decided. Plain data; times are durations
+/// that the runner (or the simulator) measured, so that a policy needs no clock.
 struct SessionView {
   std::uint64_t session = 0;      ///< the runner's handle
-  std::uint64_t samples = 0;      ///< per pixel, of this epoch
+  std::uint64_t samples = 0;      ///< per pixel, of this epoch; 0: input waits that no sample shows
   double error = 0;               ///< estimated relative RMSE; infinity while unknown
   double target_error = 0;        ///< converged at or below
   double seconds_per_sample = 0;  ///< measured cost of one sample per pixel; 0: unknown
+  double seconds_first = 0;  ///< measured cost of a new epoch beside its samples (scene, picture)
+  double fill = 1;           ///< share of the device that one sample per pixel keeps busy, 0 to 1
   double seconds_since_input = 0;
+  double seconds_unanswered = 0;   ///< since the oldest input that no frame shows; 0: none waits
   double seconds_since_frame = 0;  ///< since the last frame was handed to the encoder
-  bool visible = true;
-  bool wants_frame = true;  ///< its encoder slot is free and the client has room
+  double seconds_since_begun = 0;  ///< since the film was last cleared for new input
+  double seconds_waiting = 0;      ///< since its last quantum, or since it began to gain
+  bool visible = true;             ///< a viewer is attached and looks
+  bool wants_frame = true;         ///< its encoder slot is free and the client has room
 };
 
 struct Quantum {
   std::uint64_t session = 0;
-  std::uint32_t samples = 1;
+  std::uint32_t samples = 1;  ///< per pixel, at least 1
 };
 
-/// Decides the next quantum: a pure function of the views and of its own small state (a turn, a
-/// random stream). No clock, no GPU, no lock, no log.
+/// Decides what is rendered next: a pure function of the views and of its own small state (a turn,
+/// a count of draws). No clock, no GPU, no lock, no log. The order of the views is of no meaning,
+/// and the same questions get the same answers.
 class Policy {
  public:
   virtual ~Policy() = default;
-  /// Nothing when no session has anything to gain (all converged or hidden).
-  virtual std::optional<Quantum> next(std::span<const SessionView> sessions) = 0;
+  /// The quanta that go to the device together: of each session at most one, none of one that does
+  /// not gain, and at least one while some session gains.
+  virtual std::vector<Quantum> next(std::span<const SessionView> sessions) = 0;
 };
+
+/// True while another sample changes what somebody sees: visible and not yet at the target error.
+bool gains(const SessionView& session);
+
+/// How long a quantum is. It is never cut short for another session's input, so that this is what
+/// an input waits at most, or one sample where that takes longer.
+struct QuantumLimits {
+  double quantum_seconds = 0.005;
+  /// Of the first of an epoch: a fast device shows a better picture before anybody notices.
+  double first_seconds = 0.005;
+  /// Doublings of the sample count are not jumped over (a frame is shown at each), but for quanta
+  /// shorter than this: those would cost more in launches than they bring.
+  double least_seconds = 0.002;
+  std::uint32_t max_samples = 1024;
+};
+
+/// As many samples as fit `seconds`, at least one, at most `most`; one while the cost is unknown.
+std::uint32_t samples_within(double seconds, double seconds_per_sample, std::uint64_t most);
+/// The samples of a session's next quantum under `limits`.
+std::uint32_t quantum_samples(const SessionView& session, const QuantumLimits& limits);
+
+enum class PolicyKind { kMarginalGain, kErrorProportional, kRoundRobin, kFreeForAll };
+
+inline constexpr std::array kPolicyKinds{PolicyKind::kMarginalGain, PolicyKind::kErrorProportional,
+                                         PolicyKind::kRoundRobin, PolicyKind::kFreeForAll};
+
+/// "marginal-gain", "error-proportional", "round-robin", "free-for-all".
+std::string_view policy_name(PolicyKind kind);
+std::optional<PolicyKind> policy_kind(std::string_view name);
+/// `seed` is of the draws, for the policy that has any.
+std::unique_ptr<Policy> make_policy(PolicyKind kind, const QuantumLimits& limits = {},
+                                    std::uint64_t seed = 1);
 
 }  // namespace diaphane::render

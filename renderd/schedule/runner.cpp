@@ -1,21 +1,14 @@
 #include "renderd/schedule/runner.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
 
 #include "renderd/schedule/canvas.h"
-#include "renderd/schedule/emission.h"
 
 namespace diaphane::render {
 namespace {
 
 using Seconds = std::chrono::duration<double>;
-
-constexpr double kUnknownError = std::numeric_limits<double>::infinity();
-
-double pixels(Canvas canvas) { return double(canvas.width) * double(canvas.height); }
 
 double seconds_between(std::chrono::steady_clock::time_point from,
                        std::chrono::steady_clock::time_point to) {
@@ -32,41 +25,34 @@ constexpr double kLongestStillSeconds = 0.25;
 
 }  // namespace
 
-bool may_interrupt(bool began_moving, bool shown) { return shown || !began_moving; }
-
-// A session on this device. All but `gone` belongs to the runner's thread.
+// A session on this device. All but `gone` belongs to the runner's thread, and during a round to
+// the lane that has its turn.
 struct Runner::Track {
+  explicit Track(std::uint64_t first_epoch) : ledger(first_epoch) {}
+
   std::uint64_t handle = 0;
   std::shared_ptr<RenderClient> client;
   std::unique_ptr<FrameRenderer> renderer;
   std::atomic<bool> gone{false};
+  Ledger ledger;
+};
 
-  Wanted wanted;
-  bool moving = false;
-  Canvas planned;
-
-  // What the film holds.
-  std::optional<std::uint64_t> applied_version;
-  Canvas canvas;                       // of the film
-  std::optional<Canvas> refused_size;  // at this version: not tried again
-  bool began_moving = false;
-  std::uint64_t epoch = 0;
-  std::uint64_t input_seq = 0;
+// One quantum of a round, and what came of it.
+struct Runner::Turn {
+  std::shared_ptr<Track> track;
+  std::uint32_t samples = 0;
+  double fill = 1;
+  double scene_seconds = 0;
+  std::optional<Error> refused;
+  std::optional<Result<Batch>> batch;
   Progress progress;
-  double seconds_per_pixel = 0;
-
-  // What was shown of it.
-  std::uint64_t samples_shown = 0;
-  bool shown_moving = false;
-  Time shown_at{};
-
-  bool stale() const {
-    return wanted.scene && (applied_version != wanted.version || planned != canvas);
-  }
 };
 
 Runner::Runner(std::unique_ptr<Policy> policy, const Clock& clock, Options options)
-    : policy_(std::move(policy)), clock_(clock), options_(std::move(options)) {
+    : policy_(std::move(policy)),
+      clock_(clock),
+      options_(std::move(options)),
+      lanes_(options_.lanes) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -80,10 +66,9 @@ void Runner::stop() {
 
 std::uint64_t Runner::add(std::shared_ptr<RenderClient> client,
                           std::unique_ptr<FrameRenderer> renderer, std::uint64_t first_epoch) {
-  auto track = std::make_shared<Track>();
+  auto track = std::make_shared<Track>(first_epoch);
   track->client = std::move(client);
   track->renderer = std::move(renderer);
-  track->epoch = first_epoch;
   std::uint64_t handle = 0;
   {
     const std::lock_guard lock(mutex_);
@@ -133,8 +118,10 @@ void Runner::run() {
     }
     adopt();
     if (step()) continue;
+    const Time since = clock_.now();
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, next_rest(), [&] { return wakes_ != seen; });
+    spent_.idle += seconds_between(since, clock_.now());
   }
   adopt();
   for (StillJob& job : stills_) {
@@ -160,163 +147,174 @@ std::chrono::nanoseconds Runner::next_rest() const {
   const Time now = clock_.now();
   std::chrono::nanoseconds wait = std::chrono::seconds(1);
   for (const auto& track : tracks_) {
-    if (!track->moving || !track->wanted.visible) continue;
-    const Seconds rest = Seconds(kRestSeconds) - (now - track->wanted.last_input);
+    const Wanted& wanted = track->ledger.wanted();
+    if (!track->ledger.moving() || !wanted.visible) continue;
+    const Seconds rest = Seconds(kRestSeconds) - (now - wanted.last_input);
     wait = std::min(wait, std::chrono::duration_cast<std::chrono::nanoseconds>(
                               std::max(rest, Seconds(0)) + std::chrono::milliseconds(1)));
   }
   return wait;
 }
 
-bool Runner::step() {
-  const Time now = clock_.now();
-  for (const auto& track : tracks_) {
-    refresh(*track, now);
-    emit_if_due(*track, now);
-  }
+RunnerTimes Runner::times() const {
+  const std::lock_guard lock(mutex_);
+  return told_;
+}
+
+// Of everybody, what is wanted now; what is due is shown.
+std::vector<SessionView> Runner::look(Time now) {
   std::vector<SessionView> views;
   views.reserve(tracks_.size());
   bool anybody_moves = false;
   for (const auto& track : tracks_) {
-    if (!track->wanted.scene || track->gone) continue;
-    views.push_back(view_of(*track, now));
-    anybody_moves = anybody_moves || (track->moving && track->wanted.visible);
+    Ledger& ledger = track->ledger;
+    ledger.refresh(track->client->wanted(), costs_, options_.rules, now);
+    emit_if_due(*track, now);
+    if (!ledger.wanted().scene || track->gone) continue;
+    views.push_back(ledger.view(track->handle, costs_, options_.rules, now));
+    anybody_moves = anybody_moves || (ledger.moving() && ledger.wanted().visible);
   }
   still_share_ = anybody_moves ? kStillShareMoving : kStillShare;
+  return views;
+}
+
+bool Runner::step() {
+  const Time now = clock_.now();
+  const double pictures = spent_.pictures;
+  const std::vector<SessionView> views = look(now);
+  const Time looked = clock_.now();
+  // Pictures are no loss: somebody sees them.
+  spent_.deciding += seconds_between(now, looked) - (spent_.pictures - pictures);
   if (still_seconds_due_ >= kStillQuantumSeconds && still_quantum()) return true;
-  const std::optional<Quantum> next = policy_->next(views);
-  if (!next) return still_quantum();
-  const auto chosen = std::find_if(tracks_.begin(), tracks_.end(), [&](const auto& track) {
-    return track->handle == next->session;
-  });
-  if (chosen == tracks_.end()) return false;
-  const std::shared_ptr<Track> track = *chosen;
-  if (track->stale()) apply_wanted(*track);
-  if (track->applied_version && !track->gone) quantum(*track, next->samples);
+  const Time asked = clock_.now();
+  const std::vector<Quantum> quanta = policy_->next(views);
+  const double decided = seconds_between(asked, clock_.now());
+  spent_.policy += decided;
+  spent_.deciding += decided;
+  {
+    const std::lock_guard lock(mutex_);
+    told_ = spent_;
+  }
+  return quanta.empty() ? still_quantum() : round(quanta);
+}
+
+bool Runner::round(const std::vector<Quantum>& quanta) {
+  std::vector<Turn> turns;
+  std::vector<std::uint64_t> handles;
+  double filled = 0;
+  for (const Quantum& quantum : quanta) {
+    const auto chosen = std::find_if(tracks_.begin(), tracks_.end(), [&](const auto& track) {
+      return track->handle == quantum.session;
+    });
+    if (chosen == tracks_.end()) continue;
+    Turn turn;
+    turn.track = *chosen;
+    turn.samples = quantum.samples;
+    const double parallel = options_.rules.device_parallel;
+    const Canvas canvas = turn.track->ledger.planned();
+    const double work = double(canvas.width) * canvas.height * quantum.samples;
+    turn.fill = parallel > 0 ? std::min(1.0, work / parallel) : 1;
+    filled += turn.fill;
+    handles.push_back(quantum.session);
+    turns.push_back(std::move(turn));
+  }
+  if (turns.empty()) return false;
+  std::sort(handles.begin(), handles.end());
+  const Time start = clock_.now();
+  lanes_.run(turns.size(), [&](std::size_t i) { carry_out(turns[i]); });
+  const double seconds = seconds_between(start, clock_.now());
+  double scenes = 0;
+  double all = 0;
+  for (Turn& turn : turns) {
+    scenes += turn.scene_seconds;
+    all += turn.scene_seconds + (turn.batch && *turn.batch ? (*turn.batch)->seconds : 0);
+    // What a sample costs alone: those that share a full device wait for each other.
+    settle(turn, turns.size() > 1 ? std::min(1.0, 1 / filled) : 1);
+  }
+  const double scene_share = all > 0 ? seconds * scenes / all : 0;
+  spent_.scenes += scene_share;
+  spent_.rendering += seconds - scene_share;
+  ++spent_.rounds;
+  spent_.quanta += turns.size();
+  spent_.switches += handles != last_round_;
+  last_round_ = std::move(handles);
+  busy(seconds - scene_share);
   return true;
 }
 
-void Runner::refresh(Track& track, Time now) {
-  track.wanted = track.client->wanted();
-  track.moving = seconds_between(track.wanted.last_input, now) < kRestSeconds;
-  if (track.applied_version != track.wanted.version) track.refused_size.reset();
-  // In mid-gesture a size is chosen with each new scene only: what is there goes on converging.
-  if (track.moving && track.applied_version == track.wanted.version) {
-    track.planned = track.canvas;
-    return;
+// In a lane: the renderer alone, and whether newer input came.
+void Runner::carry_out(Turn& turn) const {
+  Track& track = *turn.track;
+  Ledger& ledger = track.ledger;
+  if (ledger.stale()) {
+    const Time start = clock_.now();
+    track.renderer->prepare_denoising(!ledger.wanted().raw);
+    auto taken = track.renderer->set_scene(*ledger.wanted().scene, ledger.planned());
+    turn.scene_seconds = seconds_between(start, clock_.now());
+    if (!taken) {
+      turn.refused = std::move(taken.error());
+      return;
+    }
+    ledger.began(turn.scene_seconds, clock_.now());
+    track.client->began(ledger.epoch(), ledger.wanted());
   }
-  track.planned =
-      plan_canvas({track.wanted.viewport, track.canvas, seconds_per_pixel(track), track.moving});
-  if (track.refused_size == track.planned) track.planned = track.canvas;
-}
-
-// Until a session was measured itself, it costs what the last one cost.
-double Runner::seconds_per_pixel(const Track& track) const {
-  return track.seconds_per_pixel > 0 ? track.seconds_per_pixel : seconds_per_pixel_;
-}
-
-SessionView Runner::view_of(const Track& track, Time now) const {
-  SessionView view;
-  view.session = track.handle;
-  view.samples = track.stale() ? 0 : track.progress.samples;
-  view.error = track.stale() ? kUnknownError : converged(track) ? 0 : track.progress.error;
-  // Not trusted yet: not converged, whatever it says.
-  if (!track.stale() && !converged(track))
-    view.error = std::max(view.error, 2 * options_.target_error);
-  view.target_error = options_.target_error;
-  view.seconds_per_sample = seconds_per_pixel(track) * pixels(track.planned);
-  view.seconds_since_input = seconds_between(track.wanted.last_input, now);
-  view.seconds_since_frame = seconds_between(track.shown_at, now);
-  view.visible = track.wanted.visible;
-  view.wants_frame = track.wanted.room;
-  return view;
-}
-
-bool Runner::converged(const Track& track) const {
-  if (track.progress.samples >= options_.most_samples) return true;
-  return track.progress.samples >= options_.fewest_samples &&
-         track.progress.error <= options_.target_error;
-}
-
-void Runner::apply_wanted(Track& track) {
-  const auto refused = [&](const Error& why) {
-    if (!track.applied_version) return drop(track, why);
-    // The picture stays; neither this scene nor this size is tried again.
-    track.applied_version = track.wanted.version;
-    track.refused_size = track.planned;
-    track.planned = track.canvas;
-    track.client->refused(track.wanted, why);
-  };
-  track.renderer->prepare_denoising(!track.wanted.raw);
-  auto taken = track.renderer->set_scene(*track.wanted.scene, track.planned);
-  if (!taken) return refused(taken.error());
-  track.applied_version = track.wanted.version;
-  track.canvas = track.planned;
-  track.began_moving = track.moving;
-  track.input_seq = track.wanted.input_seq;
-  track.progress = {};
-  track.progress.error = kUnknownError;
-  track.samples_shown = 0;
-  ++track.epoch;
-  track.client->began(track.epoch, track.wanted);
-}
-
-void Runner::quantum(Track& track, std::uint32_t samples) {
-  const bool interruptible = may_interrupt(track.began_moving, track.samples_shown > 0);
+  const bool interruptible = ledger.interruptible();
   const auto stop = [&] {
     if (stopping_ || track.gone) return true;
-    return interruptible && track.client->version() != *track.applied_version;
+    return interruptible && track.client->version() != ledger.applied_version();
   };
-  const auto batch = track.renderer->render(samples, stop);
-  if (!batch) return drop(track, batch.error());
-  busy_seconds_ = busy_seconds_ + batch->seconds;
-  still_seconds_due_ =
-      std::min(still_seconds_due_ + still_share_ * batch->seconds, kLongestStillSeconds);
-  if (batch->samples > 0) {
-    const double cost = batch->seconds / (batch->samples * pixels(track.canvas));
-    // The first sample of an epoch pays for set-up; a mean over a few forgets it soon.
-    track.seconds_per_pixel =
-        track.seconds_per_pixel > 0 ? 0.6 * track.seconds_per_pixel + 0.4 * cost : cost;
-    seconds_per_pixel_ = track.seconds_per_pixel;
+  turn.batch = track.renderer->render(turn.samples, stop);
+  turn.progress = track.renderer->progress();
+}
+
+// `share`: of the seconds that the quantum took, those that were its own.
+void Runner::settle(Turn& turn, double share) {
+  Track& track = *turn.track;
+  if (turn.refused) {
+    if (!track.ledger.has_picture()) return drop(track, *turn.refused);
+    track.ledger.refused();
+    track.client->refused(track.ledger.wanted(), *turn.refused);
+    return;
   }
-  track.progress = track.renderer->progress();
-  if (!track.gone) track.client->rendered(*batch);
+  if (!*turn.batch) return drop(track, turn.batch->error());
+  const Batch& batch = **turn.batch;
+  Batch alone = batch;
+  alone.seconds *= share;
+  track.ledger.rendered(alone, turn.progress, costs_, clock_.now());
+  if (!track.gone) track.client->rendered(batch);
+}
+
+void Runner::busy(double seconds) {
+  busy_seconds_ = busy_seconds_ + seconds;
+  still_seconds_due_ = std::min(still_seconds_due_ + still_share_ * seconds, kLongestStillSeconds);
 }
 
 void Runner::emit_if_due(Track& track, Time now) {
-  if (!track.applied_version || track.gone || !track.wanted.visible) return;
-  EmissionQuestion question;
-  question.samples = track.progress.samples;
-  question.samples_shown = track.samples_shown;
-  question.seconds_since_frame = seconds_between(track.shown_at, now);
-  question.moving = track.moving;
-  question.shown_moving = track.shown_moving;
-  question.converged = converged(track);
-  question.wanted_again = track.wanted.picture_again && !track.stale();
-  question.room = track.wanted.room;
-  // A picture that is about to be replaced is shown only if nothing was shown of it yet.
-  if (track.stale() && track.samples_shown > 0) return;
-  if (!should_emit(question)) return;
+  Ledger& ledger = track.ledger;
+  if (track.gone) return;
+  const auto question = ledger.emission(options_.rules, now);
+  if (!question || !should_emit(*question)) return;
 
+  const Time start = clock_.now();
   RenderedPicture rendered;
   // The last picture is what the samples say and nothing else.
   const Result<bool> shown =
-      question.converged ? track.renderer->display(rendered.picture).map([] { return false; })
-                         : track.renderer->display_denoised(rendered.picture);
+      question->converged ? track.renderer->display(rendered.picture).map([] { return false; })
+                          : track.renderer->display_denoised(rendered.picture);
   if (!shown) return drop(track, shown.error());
-  rendered.info.epoch = track.epoch;
+  rendered.info.epoch = ledger.epoch();
   // An update that changed nothing is answered by the same picture under its own number.
-  rendered.info.input_seq = track.stale() ? track.input_seq : track.wanted.input_seq;
-  rendered.info.samples = track.progress.samples;
-  rendered.info.error = track.progress.error;
-  rendered.info.render_us = static_cast<std::uint64_t>(track.progress.seconds * 1e6);
-  rendered.info.first_of_epoch = track.samples_shown == 0;
-  rendered.info.moving = track.moving;
-  rendered.info.converged = question.converged;
+  rendered.info.input_seq = ledger.stale() ? ledger.input_seq() : ledger.wanted().input_seq;
+  rendered.info.samples = ledger.progress().samples;
+  rendered.info.error = ledger.progress().error;
+  rendered.info.render_us = static_cast<std::uint64_t>(ledger.progress().seconds * 1e6);
+  rendered.info.first_of_epoch = ledger.samples_shown() == 0;
+  rendered.info.moving = ledger.moving();
+  rendered.info.converged = question->converged;
   rendered.info.denoised = *shown;
-  track.samples_shown = track.progress.samples;
-  track.shown_moving = track.moving;
-  track.shown_at = now;
+  const double seconds = seconds_between(start, clock_.now());
+  spent_.pictures += seconds;
+  ledger.shown(seconds, costs_, now);
   track.client->picture(std::move(rendered));
 }
 

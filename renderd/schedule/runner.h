@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "common/clock.h"
+#include "renderd/schedule/lanes.h"
+#include "renderd/schedule/ledger.h"
 #include "renderd/schedule/policy.h"
 #include "renderd/session/wanted.h"
 
@@ -32,15 +34,27 @@ struct StillJob {
   std::function<void(Result<PictureRgb8>, double error)> done;
 };
 
-/// One device's thread: asks the policy whose quantum is next and carries it out. All decisions are
-/// pure functions elsewhere (Policy, plan_canvas, should_emit, may_interrupt); here are the clock,
-/// the lock and the renderers.
+/// Where a device's time went, seconds since the start.
+struct RunnerTimes {
+  double rendering = 0;  ///< samples; rounds of several sessions count once
+  double scenes = 0;     ///< new epochs: tables prepared and uploaded, films cleared
+  double pictures = 0;   ///< tone-mapped, smoothed, read back
+  double deciding = 0;   ///< what is wanted, the policy, what is due: between two quanta
+  double policy = 0;     ///< of `deciding`, the policy's own
+  double idle = 0;       ///< nobody gained
+  std::uint64_t rounds = 0;
+  std::uint64_t quanta = 0;
+  std::uint64_t switches = 0;  ///< rounds of other sessions than the round before
+};
+
+/// One device's thread: asks the policy whose quanta are next and carries them out. All decisions
+/// are pure functions elsewhere (Policy, Ledger, plan_canvas, should_emit); here are the clock, the
+/// lock and the renderers. Quanta of one round go to the device together, each by a lane.
 class Runner {
  public:
   struct Options {
-    double target_error = 0.01;         ///< relative RMSE at which a picture counts as converged
-    std::uint64_t fewest_samples = 16;  ///< below it the error estimate is not trusted to stop
-    std::uint64_t most_samples = 1 << 20;
+    LedgerRules rules;
+    std::size_t lanes = 8;  ///< quanta that go to the device together at most
     /// The device's context is broken: nothing on it can go on.
     std::function<void(const Error&)> device_lost;
   };
@@ -63,54 +77,53 @@ class Runner {
 
   /// Seconds spent in quanta since the start, for the load that the heartbeat tells.
   double busy_seconds() const { return busy_seconds_.load(std::memory_order_relaxed); }
+  RunnerTimes times() const;
 
  private:
   struct Track;
-  using Time = std::chrono::steady_clock::time_point;
+  struct Turn;
+  using Time = Ledger::Time;
 
   void run();
   void adopt();
   /// True when something was done that may call for more.
   bool step();
-  void refresh(Track& track, Time now);
+  std::vector<SessionView> look(Time now);
   void emit_if_due(Track& track, Time now);
-  void apply_wanted(Track& track);
-  void quantum(Track& track, std::uint32_t samples);
+  bool round(const std::vector<Quantum>& quanta);
+  void carry_out(Turn& turn) const;
+  void settle(Turn& turn, double share);
   bool still_quantum();
-  SessionView view_of(const Track& track, Time now) const;
-  double seconds_per_pixel(const Track& track) const;
-  bool converged(const Track& track) const;
   std::chrono::nanoseconds next_rest() const;
   void drop(Track& track, const Error& why);
+  void busy(double seconds);
 
   const std::unique_ptr<Policy> policy_;
   const Clock& clock_;
   const Options options_;
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::uint64_t wakes_ = 0;
   std::vector<std::shared_ptr<Track>> arriving_;
   std::vector<std::shared_ptr<Track>> known_;  // what `remove` looks in
   std::deque<StillJob> arriving_stills_;
   std::uint64_t next_handle_ = 1;
+  RunnerTimes told_;  // a copy of `spent_` for others
   std::atomic<bool> stopping_{false};
   std::atomic<double> busy_seconds_{0};
 
   // Of the thread alone.
   std::vector<std::shared_ptr<Track>> tracks_;
   std::deque<StillJob> stills_;
-  double seconds_per_pixel_ =
-      0;  // of this device, whoever was last: what a new session starts from
+  DeviceCosts costs_;
+  Lanes lanes_;
+  std::vector<std::uint64_t> last_round_;  // handles
+  RunnerTimes spent_;
   double still_share_ = 0;
   double still_seconds_due_ = 0;     // of the device, to the stills
   std::uint64_t still_samples_ = 0;  // of the first of `stills_`
   std::thread thread_;
 };
-
-/// Whether a quantum may be cut short because newer input came: always, but for the first picture
-/// of a moving epoch. That one is finished, since input comes faster than a slow device renders,
-/// and a picture begun anew with each input would never be shown.
-bool may_interrupt(bool began_moving, bool shown);
 
 }  // namespace diaphane::render

@@ -105,7 +105,7 @@ struct RunnerTest : testing::Test {
   SystemClock clock;
   std::atomic<int> lost{0};
   Runner runner{std::make_unique<RoundRobin>(), clock,
-                Runner::Options{0.1, 4, 1 << 20, [this](const Error&) { ++lost; }}};
+                Runner::Options{{0.1, 4, 1 << 20}, 8, [this](const Error&) { ++lost; }}};
 
   std::shared_ptr<Viewer> viewer(Canvas viewport = {100, 100}) {
     auto made = std::make_shared<Viewer>(clock, viewport);

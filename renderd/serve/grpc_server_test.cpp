@@ -70,7 +70,7 @@ struct GrpcTest : testing::Test {
     RenderWorker::Options options;
     options.volume_dir = store.path;
     options.host.slots = 2;
-    options.runner.target_error = 0.2;
+    options.runner.rules.target_error = 0.2;
     auto engine = make_engine(EngineChoice::kCpu, 2);
     worker = std::make_unique<RenderWorker>(options, std::move(*engine), metrics, clock);
     server = std::move(*GrpcServer::start({}, worker->host(), worker->stills(), metrics));

@@ -1,7 +1,7 @@
 #include "renderd/serve/render_worker.h"
 
 #include "common/log.h"
-#include "renderd/schedule/round_robin.h"
+#include "renderd/schedule/policy.h"
 
 namespace diaphane::render {
 namespace {
@@ -19,12 +19,18 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, const std::string& store
   return loaded;
 }
 
+Runner::Options with_device(Runner::Options options, const Engine& engine) {
+  options.rules.device_parallel = engine.info().parallel;
+  return options;
+}
+
 }  // namespace
 
 RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metrics& metrics,
                            const Clock& clock)
     : engine_(std::move(engine)),
-      runner_(std::make_unique<Runner>(std::make_unique<RoundRobin>(), clock, options.runner)),
+      runner_(std::make_unique<Runner>(make_policy(options.policy), clock,
+                                       with_device(options.runner, *engine_))),
       encoders_(std::make_unique<EncodePool>(options.encoder_threads)),
       volumes_(std::make_unique<VolumeCache>(
           [this, store = options.volume_dir](const std::string& id) {

@@ -18,7 +18,8 @@ class RenderWorker {
     std::uint64_t volume_bytes = std::uint64_t{4} << 30;  ///< bound of loaded volumes
     unsigned encoder_threads = 1;
     SessionHost::Options host;
-    Runner::Options runner;
+    Runner::Options runner;  ///< but for what the engine says of its device
+    PolicyKind policy = PolicyKind::kMarginalGain;
   };
 
   RenderWorker(Options options, std::unique_ptr<Engine> engine, Metrics& metrics,

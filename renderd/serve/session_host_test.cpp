@@ -41,7 +41,7 @@ struct HostTest : testing::Test {
     device->seconds_per_megapixel = 0.25;  // 1 ms for a sample of 64 x 64
     options.volume_dir = store.path;
     options.host.slots = 3;
-    options.runner.target_error = 0.05;  // the fake's error there: 100 samples
+    options.runner.rules.target_error = 0.05;  // the fake's error there: 100 samples
     restart();
   }
   void restart() {

@@ -39,7 +39,8 @@ struct RenderedPicture {
   PictureRgb8 picture;
 };
 
-/// A viewer as the runner sees it. Called from the runner's thread; never blocks for long.
+/// A viewer as the runner sees it. Called by one of the runner's threads at a time; never blocks
+/// for long.
 class RenderClient {
  public:
   virtual ~RenderClient() = default;

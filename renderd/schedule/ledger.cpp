@@ -1,0 +1,154 @@
+#include "renderd/schedule/ledger.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "renderd/schedule/canvas.h"
+
+namespace diaphane::render {
+namespace {
+
+constexpr double kUnknownError = std::numeric_limits<double>::infinity();
+
+double pixels(Canvas canvas) { return double(canvas.width) * double(canvas.height); }
+
+double seconds_between(Ledger::Time from, Ledger::Time to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+/// A mean that forgets what is some measurements old.
+double mean(double before, double now) { return before > 0 ? 0.6 * before + 0.4 * now : now; }
+
+}  // namespace
+
+bool may_interrupt(bool began_moving, bool shown) { return shown || !began_moving; }
+
+void Ledger::refresh(Wanted wanted, const DeviceCosts& device, const LedgerRules& rules, Time now) {
+  wanted_ = std::move(wanted);
+  moving_ = seconds_between(wanted_.last_input, now) < kRestSeconds;
+  if (applied_version_ != wanted_.version) refused_size_.reset();
+  if (wanted_.scene && wanted_.version != seen_version_) {
+    // It came since the last look; a session's first scene came with the session.
+    if (!unanswered_since_) {
+      const bool known = refreshed_at_ != Time{};
+      unanswered_since_ = known ? std::clamp(wanted_.last_input, refreshed_at_, now) : now;
+    }
+    seen_version_ = wanted_.version;
+  }
+  refreshed_at_ = now;
+  // Who does not gain does not wait either.
+  const bool gains = wanted_.visible && (stale() || !converged(rules));
+  if (!gains || served_at_ == Time{}) served_at_ = now;
+  // In mid-gesture a size is chosen with each new scene only: what is there goes on converging.
+  if (moving_ && applied_version_ == wanted_.version) {
+    planned_ = canvas_;
+    return;
+  }
+  planned_ = plan_canvas({wanted_.viewport, canvas_, seconds_per_pixel(device), moving_});
+  if (refused_size_ == planned_) planned_ = canvas_;
+}
+
+// Until a session was measured itself, it costs what the last one cost.
+double Ledger::seconds_per_pixel(const DeviceCosts& device) const {
+  return seconds_per_pixel_ > 0 ? seconds_per_pixel_ : device.seconds_per_pixel;
+}
+
+bool Ledger::converged(const LedgerRules& rules) const {
+  if (progress_.samples >= rules.most_samples) return true;
+  return progress_.samples >= rules.fewest_samples && progress_.error <= rules.target_error;
+}
+
+bool Ledger::interruptible() const { return may_interrupt(began_moving_, samples_shown_ > 0); }
+
+SessionView Ledger::view(std::uint64_t handle, const DeviceCosts& device, const LedgerRules& rules,
+                         Time now) const {
+  SessionView view;
+  view.session = handle;
+  view.target_error = rules.target_error;
+  if (stale()) {
+    view.error = kUnknownError;
+  } else {
+    view.samples = progress_.samples;
+    // Not trusted yet: not converged, whatever it says.
+    view.error = converged(rules) ? 0 : std::max(progress_.error, 2 * rules.target_error);
+  }
+  view.seconds_per_sample = seconds_per_pixel(device) * pixels(planned_);
+  view.seconds_first = first_seconds_ > 0 ? first_seconds_ : device.seconds_first;
+  if (rules.device_parallel > 0) {
+    view.fill = std::min(1.0, pixels(planned_) / rules.device_parallel);
+  }
+  view.seconds_since_input = seconds_between(wanted_.last_input, now);
+  // The smallest that says "one waits", where it came at this very moment.
+  if (unanswered_since_) {
+    view.seconds_unanswered = std::max(seconds_between(*unanswered_since_, now), 1e-9);
+  }
+  view.seconds_since_frame = seconds_between(shown_at_, now);
+  view.seconds_since_begun = seconds_between(began_at_, now);
+  view.seconds_waiting = seconds_between(served_at_, now);
+  view.visible = wanted_.visible;
+  view.wants_frame = wanted_.room;
+  return view;
+}
+
+std::optional<EmissionQuestion> Ledger::emission(const LedgerRules& rules, Time now) const {
+  if (!applied_version_ || !wanted_.visible) return std::nullopt;
+  // A picture that is about to be replaced is shown only if nothing was shown of it yet.
+  if (stale() && samples_shown_ > 0) return std::nullopt;
+  EmissionQuestion question;
+  question.samples = progress_.samples;
+  question.samples_shown = samples_shown_;
+  question.seconds_since_frame = seconds_between(shown_at_, now);
+  question.moving = moving_;
+  question.shown_moving = shown_moving_;
+  question.converged = converged(rules);
+  question.wanted_again = wanted_.picture_again && !stale();
+  question.room = wanted_.room;
+  return question;
+}
+
+void Ledger::began(double seconds, Time now) {
+  applied_version_ = wanted_.version;
+  canvas_ = planned_;
+  began_moving_ = moving_;
+  began_at_ = now;
+  input_seq_ = wanted_.input_seq;
+  progress_ = {};
+  progress_.error = kUnknownError;
+  samples_shown_ = 0;
+  scene_seconds_ = seconds;
+  ++epoch_;
+}
+
+void Ledger::refused() {
+  applied_version_ = wanted_.version;
+  refused_size_ = planned_;
+  planned_ = canvas_;
+  unanswered_since_.reset();
+}
+
+void Ledger::rendered(const Batch& batch, const Progress& progress, DeviceCosts& device, Time now) {
+  progress_ = progress;
+  served_at_ = now;
+  if (batch.samples == 0) return;
+  // The first sample of an epoch pays for set-up; a mean over a few forgets it soon.
+  seconds_per_pixel_ = mean(seconds_per_pixel_, batch.seconds / (batch.samples * pixels(canvas_)));
+  device.seconds_per_pixel = seconds_per_pixel_;
+}
+
+void Ledger::shown(double seconds, DeviceCosts& device, Time now) {
+  if (samples_shown_ == 0) {
+    first_seconds_ = mean(first_seconds_, scene_seconds_ + seconds);
+    device.seconds_first = first_seconds_;
+    // Input that came while it was rendered waits for the next.
+    if (applied_version_ == seen_version_) {
+      unanswered_since_.reset();
+    } else {
+      unanswered_since_ = began_at_;
+    }
+  }
+  samples_shown_ = progress_.samples;
+  shown_moving_ = moving_;
+  shown_at_ = now;
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,134 @@
+#include "renderd/schedule/ledger.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace diaphane::render {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct LedgerTest : testing::Test {
+  Ledger::Time now{100s};
+  LedgerRules rules{.target_error = 0.01, .fewest_samples = 16, .device_parallel = 40'000};
+  DeviceCosts device;
+  Ledger ledger{7};
+  Wanted wanted;
+
+  LedgerTest() {
+    wanted.version = 1;
+    wanted.scene = std::make_shared<const v1::Scene>();
+    wanted.viewport = {100, 100};
+    look();
+  }
+  void look() { ledger.refresh(wanted, device, rules, now); }
+  void input() {
+    ++wanted.version;
+    wanted.last_input = now;
+  }
+  SessionView view() const { return ledger.view(1, device, rules, now); }
+  void render(std::uint32_t samples, double error) {
+    if (ledger.stale()) ledger.began(0.002, now);
+    Progress progress = ledger.progress();
+    progress.samples += samples;
+    progress.error = error;
+    now += 10ms;
+    ledger.rendered({samples, 0.01, 0}, progress, device, now);
+  }
+};
+
+TEST_F(LedgerTest, ANewSessionWaitsForItsFirstFrame) {
+  now += 3ms;
+  look();
+  EXPECT_EQ(view().samples, 0U);
+  EXPECT_TRUE(std::isinf(view().error));
+  EXPECT_NEAR(view().seconds_unanswered, 0.003, 1e-9);
+  EXPECT_NEAR(view().seconds_waiting, 0.003, 1e-9);
+}
+
+TEST_F(LedgerTest, CostsAreMeasuredAndANewSessionStartsFromTheDevices) {
+  render(10, 0.1);
+  EXPECT_NEAR(view().seconds_per_sample, 0.001, 1e-12);
+  ledger.shown(0.003, device, now);
+  EXPECT_NEAR(view().seconds_first, 0.005, 1e-12) << "scene and picture";
+  EXPECT_NEAR(view().fill, 0.25, 1e-12);
+  Ledger other(0);
+  other.refresh(wanted, device, rules, now);
+  EXPECT_NEAR(other.view(2, device, rules, now).seconds_per_sample, 0.001, 1e-12);
+  EXPECT_NEAR(other.view(2, device, rules, now).seconds_first, 0.005, 1e-12);
+}
+
+TEST_F(LedgerTest, AnInputIsAnsweredByItsOwnPictureNotByTheOneBefore) {
+  render(1, 0.5);
+  input();
+  now += 5ms;
+  look();
+  ledger.shown(0, device, now);  // of the scene before
+  EXPECT_GT(view().seconds_unanswered, 0);
+  render(1, 0.5);
+  look();
+  ledger.shown(0, device, now);
+  EXPECT_EQ(view().seconds_unanswered, 0);
+}
+
+TEST_F(LedgerTest, TheOldestInputCounts) {
+  render(1, 0.5);
+  ledger.shown(0, device, now);
+  input();
+  now += 10ms;
+  look();
+  input();
+  now += 10ms;
+  look();
+  EXPECT_NEAR(view().seconds_unanswered, 0.02, 1e-9);
+}
+
+TEST_F(LedgerTest, AnErrorOfFewSamplesEndsNothing) {
+  render(15, 0.001);
+  EXPECT_FALSE(ledger.converged(rules));
+  EXPECT_TRUE(gains(view()));
+  render(1, 0.001);
+  EXPECT_TRUE(ledger.converged(rules));
+  EXPECT_FALSE(gains(view()));
+}
+
+TEST_F(LedgerTest, WhoDoesNotGainDoesNotWait) {
+  render(20, 0.001);
+  now += 5s;
+  look();
+  EXPECT_EQ(view().seconds_waiting, 0);
+  input();
+  now += 1s;
+  look();
+  EXPECT_NEAR(view().seconds_waiting, 1, 1e-9);
+  wanted.visible = false;
+  look();
+  EXPECT_EQ(view().seconds_waiting, 0);
+}
+
+TEST_F(LedgerTest, ARefusedSceneIsNotTriedAgain) {
+  render(1, 0.5);
+  input();
+  look();
+  ASSERT_TRUE(ledger.stale());
+  ledger.refused();
+  look();
+  EXPECT_FALSE(ledger.stale());
+  EXPECT_EQ(view().seconds_unanswered, 0);
+  input();
+  look();
+  EXPECT_TRUE(ledger.stale());
+}
+
+TEST_F(LedgerTest, EpochsRiseWithEachScene) {
+  render(1, 0.5);
+  EXPECT_EQ(ledger.epoch(), 8U);
+  input();
+  look();
+  render(1, 0.5);
+  EXPECT_EQ(ledger.epoch(), 9U);
+}
+
+}  // namespace
+}  // namespace diaphane::render

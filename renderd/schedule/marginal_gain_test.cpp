@@ -1,0 +1,126 @@
+#include "renderd/schedule/marginal_gain.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace diaphane::render {
+namespace {
+
+/// At rest, with an error of c / sqrt(n).
+SessionView resting(std::uint64_t handle, std::uint64_t samples, double c = 0.5,
+                    double cost = 0.0005) {
+  SessionView session;
+  session.session = handle;
+  session.samples = samples;
+  session.error = c / std::sqrt(double(samples));
+  session.target_error = 0.01;
+  session.seconds_per_sample = cost;
+  session.seconds_since_input = 1;
+  session.seconds_since_frame = 0.1;
+  session.seconds_since_begun = 1;
+  return session;
+}
+
+SessionView asking(std::uint64_t handle, double since) {
+  SessionView session = resting(handle, 1);
+  session.samples = 0;
+  session.error = std::numeric_limits<double>::infinity();
+  session.seconds_since_input = since;
+  session.seconds_unanswered = since;
+  session.seconds_since_begun = 1;
+  return session;
+}
+
+std::uint64_t chosen(const std::vector<SessionView>& sessions) {
+  return MarginalGain().next(sessions).at(0).session;
+}
+
+TEST(MarginalGain, TheNoisierPictureComesFirst) {
+  EXPECT_EQ(chosen({resting(1, 400), resting(2, 300)}), 2U);
+  EXPECT_EQ(chosen({resting(1, 300, 0.2), resting(2, 300, 0.4)}), 2U);
+}
+
+TEST(MarginalGain, OfEqualPicturesTheCheaperComesFirst) {
+  EXPECT_EQ(chosen({resting(1, 400, 0.5, 0.001), resting(2, 400, 0.5, 0.0004)}), 2U);
+}
+
+TEST(MarginalGain, OfFreshPicturesTheOneNearestToUseIsFinishedFirst) {
+  EXPECT_EQ(chosen({resting(1, 90), resting(2, 60)}), 1U) << "5% takes 100 samples";
+}
+
+TEST(MarginalGain, InputIsAnsweredFirstTheOldestBeforeOthers) {
+  EXPECT_EQ(chosen({resting(1, 2), asking(2, 0.004), asking(3, 0.007)}), 3U);
+}
+
+TEST(MarginalGain, WhoWaitedTooLongComesBeforeNewInput) {
+  SessionView waiting = resting(1, 1000);
+  waiting.seconds_waiting = 1.99;
+  EXPECT_EQ(chosen({waiting, asking(2, 0.004)}), 2U);
+  waiting.seconds_waiting = 2.01;
+  EXPECT_EQ(chosen({waiting, asking(2, 0.004)}), 1U);
+}
+
+TEST(MarginalGain, ADragLeavesTheDeviceToOthersBetweenItsFrames) {
+  SessionView dragging = asking(1, 0.002);
+  dragging.seconds_per_sample = 0.004;
+  dragging.seconds_since_begun = 0.01;  // a third of the device allows one each 11.4 ms
+  EXPECT_EQ(chosen({dragging, resting(2, 400)}), 2U);
+  EXPECT_EQ(chosen({dragging}), 1U) << "nobody else gains";
+  dragging.seconds_since_begun = 0.012;
+  EXPECT_EQ(chosen({dragging, resting(2, 400)}), 1U);
+}
+
+TEST(MarginalGain, MoreDragsThanTheDeviceHasTimeForGetFewerFramesAndOthersTheRest) {
+  std::vector<SessionView> sessions{resting(1, 400)};
+  for (std::uint64_t handle = 2; handle <= 11; ++handle) {
+    sessions.push_back(asking(handle, 0.05));
+    sessions.back().seconds_per_sample = 0.01;  // 100 ms for a frame of each
+    sessions.back().seconds_since_begun = 0.13;
+  }
+  EXPECT_EQ(chosen(sessions), 1U);
+  sessions[5].seconds_since_begun = 0.15;
+  EXPECT_EQ(chosen(sessions), sessions[5].session);
+}
+
+TEST(MarginalGain, PatienceGrowsWhereQuantaForItsSakeWouldTakeTheDevice) {
+  std::vector<SessionView> sessions;
+  for (std::uint64_t handle = 1; handle <= 200; ++handle) {
+    sessions.push_back(resting(handle, handle));
+    sessions.back().seconds_waiting = 2.5;
+  }
+  sessions.back().seconds_waiting = 3.9;
+  EXPECT_NE(chosen(sessions), 200U);
+  sessions.back().seconds_waiting = 4.1;
+  EXPECT_EQ(chosen(sessions), 200U);
+  EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 4U) << "2 ms, no more";
+}
+
+TEST(MarginalGain, AViewerThatTakesNoFrameHasNoDeadline) {
+  SessionView slow = asking(1, 0.02);
+  slow.wants_frame = false;
+  EXPECT_EQ(chosen({slow, asking(2, 0.001)}), 2U);
+}
+
+TEST(MarginalGain, QuantaGoTogetherUntilTheDeviceIsFull) {
+  std::vector<SessionView> sessions;
+  for (std::uint64_t handle = 1; handle <= 5; ++handle) {
+    sessions.push_back(asking(handle, 0.001));
+    sessions.back().fill = 0.4;
+    sessions.back().seconds_per_sample = 0.01;  // so that a quantum is one sample
+  }
+  EXPECT_EQ(MarginalGain().next(sessions).size(), 3U);
+  for (SessionView& session : sessions) session.fill = 1;
+  EXPECT_EQ(MarginalGain().next(sessions).size(), 1U);
+}
+
+TEST(MarginalGain, FirstPicturesOfManyAreShort) {
+  std::vector<SessionView> sessions{asking(1, 0.001)};
+  EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 10U);
+  for (std::uint64_t handle = 2; handle <= 5; ++handle) sessions.push_back(asking(handle, 0.001));
+  EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 2U);
+}
+
+}  // namespace
+}  // namespace diaphane::render
