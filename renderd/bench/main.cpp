@@ -1,5 +1,5 @@
 // diaphane-renderd-bench: error against run time (convergence), the table of stiff cases
-// (stability).
+// (stability), the scheduler's policies (schedule).
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +12,7 @@
 #include "renderd/bench/convergence_report.h"
 #include "renderd/bench/farm.h"
 #include "renderd/bench/made_volume.h"
+#include "renderd/bench/schedule/schedule_command.h"
 #include "renderd/bench/stability.h"
 #include "renderd/scene/presets.h"
 
@@ -226,7 +227,9 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     add_convergence(app, options);
     const auto* stability = add_stability(app, options);
+    bench::ScheduleCommand schedule(app);
     CLI11_PARSE(app, argc, argv);
+    if (schedule.chosen()) return schedule.run();
     return *stability ? run_stability(options) : run(options);
   } catch (const std::exception& error) {
     std::cerr << "diaphane-renderd-bench: " << error.what() << '\n';

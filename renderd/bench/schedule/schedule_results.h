@@ -1,0 +1,63 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "renderd/bench/schedule/simulation.h"
+
+namespace diaphane::render::bench {
+
+/// One trace's kind and size under one policy: a run for each seed.
+struct ScheduleRow {
+  std::string trace;
+  std::size_t sessions = 0;
+  PolicyKind policy = PolicyKind::kMarginalGain;
+  std::vector<Scores> runs;
+};
+
+struct FleetRow {
+  std::size_t sessions = 0, devices = 0;
+  std::string trace;
+  Placement placement = Placement::kSummedError;
+  std::vector<FleetRun> runs;
+};
+
+/// The policy's own time for a decision.
+struct DecisionTime {
+  PolicyKind policy = PolicyKind::kMarginalGain;
+  std::size_t sessions = 0;
+  std::vector<double> seconds;  ///< mean of each repetition
+};
+
+struct ScheduleReport {
+  std::string how;  ///< "simulated" or "real"
+  std::string device;
+  double seconds = 0;  ///< of a trace
+  std::vector<ScheduleRow> rows;
+  std::vector<FleetRow> fleet;
+  std::vector<DecisionTime> decisions;
+  DeviceModel model;
+};
+
+/// A column of the tables: a figure of a run.
+struct Column {
+  const char* name;
+  const char* unit;
+  double scale;
+  double Scores::*figure;
+};
+const std::vector<Column>& schedule_columns();
+
+/// Median over the runs, and standard deviation.
+double median(std::vector<double> values);
+double deviation(const std::vector<double>& values);
+
+std::string schedule_text(const ScheduleReport& report);
+std::string schedule_csv(const ScheduleReport& report);
+std::string schedule_json(const ScheduleReport& report);
+
+/// `sessions` random views, of which most gain: `repetitions` means over some thousand decisions.
+DecisionTime measure_decision(PolicyKind policy, std::size_t sessions, unsigned repetitions);
+
+}  // namespace diaphane::render::bench
