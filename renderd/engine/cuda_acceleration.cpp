@@ -59,7 +59,7 @@ Result<void> Acceleration::rebuild_exact(const CudaVolume& volume, const ExactTa
   DIAPHANE_TRY(fit(pieces_, tables.pieces.size()));
   DIAPHANE_TRY(fit(piece_of_, tables.piece_of.size()));
   DIAPHANE_TRY(fit(clear_until_, tables.clear_until.size()));
-  DIAPHANE_TRY(fit(skips_, 8 * volume.brick_count()));
+  DIAPHANE_TRY(fit(skips_, volume.skip_bytes()));
   DIAPHANE_TRY(upload(pieces_, tables.pieces.data(), tables.pieces.size(), stream));
   DIAPHANE_TRY(upload(piece_of_, tables.piece_of.data(), tables.piece_of.size(), stream));
   DIAPHANE_TRY(upload(clear_until_, tables.clear_until.data(), tables.clear_until.size(), stream));

@@ -28,8 +28,8 @@ struct StagedHits {
   std::uint32_t lane;
 
   static constexpr int kFields = 3;
-  HOST_DEVICE static std::size_t bytes(std::int32_t strata) {
-    return sizeof(float) * kTilePixels * kFields * static_cast<std::size_t>(strata);
+  HOST_DEVICE static std::uint32_t bytes(std::int32_t strata) {
+    return 4 * kTilePixels * kFields * static_cast<std::uint32_t>(strata);
   }
   __device__ __forceinline__ float& at(int field, std::int32_t stratum) const {
     return memory[(field * strata + stratum) * static_cast<std::int32_t>(kTilePixels) +

@@ -137,7 +137,7 @@ cudaError_t trace_exact(const ExactKernels& kernels, const SceneView<TextureVolu
   const TileGrid tiles = tiles_of(scene.width, scene.height, stripe);
   const std::uint64_t pixels = std::uint64_t{tiles.per_sample()} * kTilePixels;
   const std::int32_t strata = strata_before(scene.exact, kHitKinds);
-  const std::size_t staged = kCameraBlock / kTilePixels * StagedHits::bytes(strata);
+  const std::uint32_t staged = kCameraBlock / kTilePixels * StagedHits::bytes(strata);
   cudaError_t status =
       cudaMemsetAsync(scratch.counters, 0, kExactCounters * sizeof(std::uint32_t), stream);
   if (status != cudaSuccess) return status;

@@ -40,18 +40,19 @@ __global__ void range_kernel(TextureVolume volume, Int3 bricks, std::int32_t cou
     ranges[brick] = {static_cast<std::int16_t>(low), static_cast<std::int16_t>(high)};
 }
 
-__global__ void mark_kernel(const ValueRange* ranges, std::int32_t count,
+__global__ void mark_kernel(const ValueRange* ranges, Int3 bricks, std::int32_t count,
                             const std::int32_t* clear_until, std::int32_t first_value,
                             std::uint8_t* levels, NodePool pool, std::uint32_t* occupied) {
   const std::int32_t brick = thread_index();
   if (brick >= count) return;
+  const std::int32_t index = BrickArray(bricks).index(coordinates(brick, bricks));
   const ValueRange range = ranges[brick];
   const bool empty = range.maximum <= clear_until[range.minimum - first_value];
   for (int octant = 0; octant < 8; ++octant)
     levels[std::int64_t{octant} * count + brick] = empty ? 1 : 0;
   if (empty) return;
   atomicAdd(occupied, 1u);
-  if (pool.capacity > 0 && pool.slot_of[brick] < 0)
+  if (pool.capacity > 0 && pool.first_of[index] == TextureVolume::kNoNodes)
     pool.missing[atomicAdd(&pool.counters[1], 1u)] = brick;
 }
 
@@ -110,7 +111,9 @@ __global__ void skip_kernel(const std::uint8_t* levels, Int3 bricks, std::int32_
     }
     skip = (1 << level) + offset;
   }
-  skips[std::int64_t{blockIdx.y} * count + brick] = static_cast<std::uint8_t>(skip);
+  const BrickArray array(bricks);
+  skips[std::int64_t{blockIdx.y} * array.count + array.index(coordinates(brick, bricks))] =
+      static_cast<std::uint8_t>(skip);
 }
 
 /// A block a brick, a thread a cell.
@@ -136,7 +139,11 @@ __global__ void node_kernel(TextureVolume volume, Int3 bricks, NodePool pool) {
     // Another session's kernel may run now: the slot is told only when it is filled.
     __threadfence();
     __syncthreads();
-    if (threadIdx.x == 0) pool.slot_of[brick] = static_cast<std::int32_t>(slot);
+    if (threadIdx.x == 0) {
+      pool.first_of[BrickArray(bricks).index(b)] =
+          static_cast<std::int32_t>(slot << 3 * kBrickShift) -
+          kBrickSize * (b.x + kBrickSize * (b.y + kBrickSize * b.z));
+    }
   }
 }
 
@@ -155,12 +162,12 @@ cudaError_t brick_ranges(const TextureVolume& volume, Int3 bricks, ValueRange* r
   return cudaGetLastError();
 }
 
-cudaError_t mark_bricks(const ValueRange* ranges, std::int32_t count,
-                        const std::int32_t* clear_until, std::int32_t first_value,
-                        std::uint8_t* levels, const NodePool& pool, std::uint32_t* occupied,
-                        cudaStream_t stream) {
+cudaError_t mark_bricks(const ValueRange* ranges, Int3 bricks, const std::int32_t* clear_until,
+                        std::int32_t first_value, std::uint8_t* levels, const NodePool& pool,
+                        std::uint32_t* occupied, cudaStream_t stream) {
+  const std::int32_t count = count_of(bricks);
   mark_kernel<<<blocks_for(static_cast<std::uint64_t>(count)), kBlock, 0, stream>>>(
-      ranges, count, clear_until, first_value, levels, pool, occupied);
+      ranges, bricks, count, clear_until, first_value, levels, pool, occupied);
   return cudaGetLastError();
 }
 
@@ -168,6 +175,11 @@ cudaError_t find_skips(std::uint8_t* levels, Int3 bricks, std::uint8_t* skips,
                        cudaStream_t stream) {
   const std::int32_t count = count_of(bricks);
   const dim3 grid(blocks_for(static_cast<std::uint64_t>(count)), 8);
+  const auto bytes = 8 * static_cast<std::size_t>(BrickArray(bricks).count);
+  if (const cudaError_t status = cudaMemsetAsync(skips, kOutside, bytes, stream);
+      status != cudaSuccess) {
+    return status;
+  }
   for (int level = 1; level < kLevels; ++level)
     level_kernel<<<grid, kBlock, 0, stream>>>(levels, bricks, count, level);
   skip_kernel<<<grid, kBlock, 0, stream>>>(levels, bricks, count, skips);

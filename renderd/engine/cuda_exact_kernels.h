@@ -23,20 +23,19 @@ cudaError_t brick_ranges(const TextureVolume& volume, Int3 bricks, ValueRange* r
 /// fetches them. Shared by all that look at the volume; a brick that is there stays.
 struct NodePool {
   CellNode* nodes;          ///< 64 a slot, x fastest
-  std::int32_t* slot_of;    ///< for each brick; -1: none, its cells are read from the texture
+  std::int32_t* first_of;   ///< a BrickArray of TextureVolume::Brick::first
   std::uint32_t* counters;  ///< slots asked for so far; bricks in `missing`
-  std::int32_t* missing;    ///< room for all bricks
+  std::int32_t* missing;    ///< indices without a rim; room for all bricks
   std::uint32_t capacity;   ///< slots
 };
 
-/// Which bricks are empty, from ExactTables::clear_until: level 0 of `levels` (8 octants of `count`
-/// bytes; bit i: the cube of 2^i bricks in the octant's direction is empty). Notes the others that
-/// have no slot, and counts them all in `occupied`.
-cudaError_t mark_bricks(const ValueRange* ranges, std::int32_t count,
-                        const std::int32_t* clear_until, std::int32_t first_value,
-                        std::uint8_t* levels, const NodePool& pool, std::uint32_t* occupied,
-                        cudaStream_t stream);
-/// ExactView::skips from level 0: the largest empty cubes, up to 127 bricks.
+/// Which bricks are empty, from ExactTables::clear_until: level 0 of `levels` (8 octants of a byte
+/// a brick, without a rim; bit i: the cube of 2^i bricks in the octant's direction is empty). Notes
+/// the others that have no slot, and counts them all in `occupied`.
+cudaError_t mark_bricks(const ValueRange* ranges, Int3 bricks, const std::int32_t* clear_until,
+                        std::int32_t first_value, std::uint8_t* levels, const NodePool& pool,
+                        std::uint32_t* occupied, cudaStream_t stream);
+/// The arrays of ExactView::skips from level 0: the largest empty cubes, up to 127 bricks.
 cudaError_t find_skips(std::uint8_t* levels, Int3 bricks, std::uint8_t* skips, cudaStream_t stream);
 /// Fills the slots of the bricks noted as missing, as far as the pool goes.
 cudaError_t fill_nodes(const TextureVolume& volume, Int3 bricks, const NodePool& pool,

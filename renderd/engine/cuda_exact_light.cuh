@@ -20,7 +20,11 @@ namespace diaphane::render::cuda {
 #if !defined(DIAPHANE_LIGHT_REFILL)
 #define DIAPHANE_LIGHT_REFILL 8
 #endif
-/// So many must wait at a cell of several pieces before these are done together.
+/// So many must wait before an empty space, or at a cell of several pieces of the function, until
+/// these are gone over together.
+#if !defined(DIAPHANE_LIGHT_JUMPS)
+#define DIAPHANE_LIGHT_JUMPS 8
+#endif
 #if !defined(DIAPHANE_LIGHT_PARTS)
 #define DIAPHANE_LIGHT_PARTS 12
 #endif
@@ -56,7 +60,7 @@ __device__ __forceinline__ Corners cell_between(const SceneView<TextureVolume>& 
                          static_cast<float>(cell.z)},
          ray.direction, from, to};
   return scene.volume.corners(cell,
-                              scene.volume.brick(b, b.x + e.bricks.x * (b.y + e.bricks.y * b.z)));
+                              scene.volume.brick(b.x + e.brick_row * b.y + e.brick_slice * b.z));
 }
 
 /// Of a hit: what is to be done for its light.
@@ -130,19 +134,27 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS)
   const std::uint32_t lane = threadIdx.x % 32, below = (1u << lane) - 1u;
   const std::uint32_t total = scratch.counters[kLightHits];
   int stacked = 0;
-  bool more = true, active = false, parts = false;
+  bool more = true;
+  // What a lane waits for.
+  enum Wants : int { kRay, kCell, kJump, kParts } wants = kRay;
   std::uint32_t hit = 0;
   TransmittanceWalk<kF, TextureVolume> walk;
-  const auto end = [&] {
-    const float seen = walk.transmittance();
-    HitRecord& record = scratch.hits[hit];
-    record.a *= seen;
-    record.b *= seen;
-    record.c *= seen;
-    active = false;
+  /// After a step.
+  const auto go_on = [&] {
+    wants = kCell;
+    if (walk.ended()) {
+      const float seen = walk.transmittance();
+      HitRecord& record = scratch.hits[hit];
+      record.a *= seen;
+      record.b *= seen;
+      record.c *= seen;
+      wants = kRay;
+    } else if (walk.in_gap()) {
+      wants = kJump;
+    }
   };
   for (;;) {
-    const std::uint32_t idle = __ballot_sync(~0u, !active);
+    const std::uint32_t idle = __ballot_sync(~0u, wants == kRay);
     const int free = __popc(idle);
     if (free >= ((more || stacked > 0) ? DIAPHANE_LIGHT_REFILL : 32)) {
       while (more && stacked < free) {
@@ -155,34 +167,41 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS)
       if (stacked == 0 && free == 32) return;
       __syncwarp();
       const int from = stacked - 1 - __popc(idle & below);
-      if (!active && from >= 0) {
-        walk =
-            TransmittanceWalk<kF, TextureVolume>(Ray{stack.origin[from], stack.direction[from]},
-                                                 stack.span[from], scene.exact, stack.ending[from]);
+      if (wants == kRay && from >= 0) {
+        walk = TransmittanceWalk<kF, TextureVolume>(Ray{stack.origin[from], stack.direction[from]},
+                                                    stack.span[from], scene.volume, scene.exact,
+                                                    stack.ending[from]);
         hit = stack.hit[from];
-        active = true;
+        go_on();
       }
       stacked = larger(stacked - free, 0);
       __syncwarp();
     }
+    const int jumps = __popc(__ballot_sync(~0u, wants == kJump));
+    const bool cells = __any_sync(~0u, wants == kCell);
+    if (jumps >= DIAPHANE_LIGHT_JUMPS || !cells) {
+      if (wants == kJump) {
+        walk.jump(scene.volume, scene.exact);
+        go_on();
+      }
+    }
     if constexpr (kCurved) {
-      const int waiting = __popc(__ballot_sync(~0u, parts));
-      const bool all = waiting > 0 && __ballot_sync(~0u, active && !parts) == 0;
-      if (waiting >= DIAPHANE_LIGHT_PARTS || all) {
-        if (parts) {
-          parts = false;
-          if (!walk.step_parts(scene.volume, scene.exact)) end();
+      const int parts = __popc(__ballot_sync(~0u, wants == kParts));
+      if (parts >= DIAPHANE_LIGHT_PARTS || !__any_sync(~0u, wants == kCell)) {
+        if (wants == kParts) {
+          walk.cross_parts(scene.volume, scene.exact);
+          go_on();
         }
       }
     }
-    if (active && !parts) {
 #pragma unroll
-      for (int i = 0; i < DIAPHANE_LIGHT_STEPS; ++i) {
-        if (!walk.step_unless_parts(scene.volume, scene.exact, parts)) {
-          end();
-          break;
+    for (int i = 0; i < DIAPHANE_LIGHT_STEPS; ++i) {
+      if (wants == kCell) {
+        if (walk.cross(scene.volume, scene.exact)) {
+          go_on();
+        } else {
+          wants = kParts;
         }
-        if (kCurved && parts) break;
       }
     }
   }

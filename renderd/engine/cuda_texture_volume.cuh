@@ -41,13 +41,6 @@ __device__ __forceinline__ ValueSpan TextureVolume::corner_range(Int3 cell) cons
   return range;
 }
 
-__device__ __forceinline__ TextureVolume::Brick TextureVolume::brick(Int3 b,
-                                                                     std::int32_t index) const {
-  const std::int32_t slot = slot_of[index];
-  if (slot < 0) return {kNoNodes};
-  return {(slot << 3 * kBrickShift) - kBrickSize * (b.x + kBrickSize * (b.y + kBrickSize * b.z))};
-}
-
 /// As a node, of a cell that has none.
 __device__ __forceinline__ int4 packed_from_texture(cudaTextureObject_t texture, Int3 cell) {
   unsigned pairs[4];

@@ -23,8 +23,8 @@ struct alignas(16) CellNode {
 struct TextureVolume {
   cudaTextureObject_t texture;  ///< int16, point sampling, element coordinates, clamped
   Int3 size;
-  const CellNode* nodes;        ///< 64 for each slot; cells of a brick, x fastest
-  const std::int32_t* slot_of;  ///< for each brick of ExactView; -1: none
+  const CellNode* nodes;         ///< 64 for each slot; cells of a brick, x fastest
+  const std::int32_t* first_of;  ///< Brick::first, as ExactView::skips; points at brick (0, 0, 0)
 
   /// Of the exact walk: the node of cell (0, 0, 0), were the brick's slot to reach so far.
   struct Brick {
@@ -35,7 +35,7 @@ struct TextureVolume {
 #if defined(__CUDACC__)
   __device__ float at(Float3 index) const;
   __device__ ValueSpan corner_range(Int3 cell) const;
-  __device__ Brick brick(Int3 brick, std::int32_t index) const;
+  __device__ Brick brick(std::int32_t index) const { return {first_of[index]}; }
   __device__ Corners corners(Int3 cell, Brick brick) const;
   __device__ CornerRange corner_values(Int3 cell, Brick brick) const;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <type_traits>
+#include <vector>
 
 #include "renderd/engine/cuda_acceleration_kernels.h"
 
@@ -76,7 +77,9 @@ TextureVolume CudaVolume::view() const {
           {static_cast<std::int32_t>(size[0]), static_cast<std::int32_t>(size[1]),
            static_cast<std::int32_t>(size[2])},
           exact_->nodes.data(),
-          exact_->slot_of.data()};
+          exact_->first_of.data() == nullptr
+              ? nullptr
+              : exact_->first_of.data() + BrickArray(grid_.bricks).first};
 }
 
 std::size_t CudaVolume::brick_count() const {
@@ -96,11 +99,12 @@ Result<void> CudaVolume::make_exact(cudaStream_t stream) const {
   };
   DIAPHANE_TRY(allocate(exact_->ranges, bricks));
   DIAPHANE_TRY(allocate(exact_->levels, 8 * bricks));
-  DIAPHANE_TRY(allocate(exact_->slot_of, bricks));
+  const auto with_rim = static_cast<std::size_t>(BrickArray(grid_.bricks).count);
+  DIAPHANE_TRY(allocate(exact_->first_of, with_rim));
   DIAPHANE_TRY(allocate(exact_->missing, bricks));
   DIAPHANE_TRY(allocate(exact_->counters, 3));
-  DIAPHANE_CUDA_TRY(
-      cudaMemsetAsync(exact_->slot_of.data(), 0xff, bricks * sizeof(std::int32_t), stream));
+  const std::vector<std::int32_t> none(with_rim, TextureVolume::kNoNodes);
+  DIAPHANE_TRY(cuda::upload(exact_->first_of, none.data(), with_rim, stream));
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(exact_->counters.data(), 0, exact_->counters.bytes(), stream));
   DIAPHANE_CUDA_TRY(brick_ranges(view(), grid_.bricks, exact_->ranges.data(), stream));
   // Beside the volume and the small arrays, so much that all is at most three times the volume.
@@ -109,7 +113,9 @@ Result<void> CudaVolume::make_exact(cudaStream_t stream) const {
   constexpr std::size_t kSlot = 64;
   const auto wanted = static_cast<std::size_t>(
       kMostOfVolume * 2 * static_cast<double>(header_.voxel_count()) / (kSlot * sizeof(CellNode)));
-  const std::size_t slots = std::min(wanted, bricks);
+  // Nodes are counted in 31 bits.
+  constexpr std::size_t kMostSlots = (std::size_t{1} << 31) / kSlot - 1;
+  const std::size_t slots = std::min({wanted, bricks, kMostSlots});
   if (slots > 0 && allocate(exact_->nodes, kSlot * slots))
     exact_->capacity = static_cast<std::uint32_t>(slots);
   exact_->made = true;
@@ -120,18 +126,18 @@ Result<double> CudaVolume::prepare_exact(const std::int32_t* clear_until, std::u
                                          cudaStream_t stream) const {
   const std::scoped_lock lock(exact_->mutex);
   DIAPHANE_TRY(make_exact(stream));
-  const NodePool pool{exact_->nodes.data(), exact_->slot_of.data(), exact_->counters.data(),
+  const NodePool pool{exact_->nodes.data(), exact_->first_of.data(), exact_->counters.data(),
                       exact_->missing.data(), exact_->capacity};
   std::uint32_t* occupied = exact_->counters.data() + 2;
-  const auto count = static_cast<std::int32_t>(brick_count());
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(occupied, 0, sizeof(std::uint32_t), stream));
-  DIAPHANE_CUDA_TRY(mark_bricks(exact_->ranges.data(), count, clear_until, grid_.whole.minimum,
-                                exact_->levels.data(), pool, occupied, stream));
+  DIAPHANE_CUDA_TRY(mark_bricks(exact_->ranges.data(), grid_.bricks, clear_until,
+                                grid_.whole.minimum, exact_->levels.data(), pool, occupied,
+                                stream));
   DIAPHANE_CUDA_TRY(find_skips(exact_->levels.data(), grid_.bricks, skips, stream));
   if (pool.capacity > 0) DIAPHANE_CUDA_TRY(fill_nodes(view(), grid_.bricks, pool, stream));
   std::uint32_t numbers[3] = {};
   DIAPHANE_TRY(download(numbers, exact_->counters, 3, stream));
-  return 1.0 - numbers[2] / static_cast<double>(count);
+  return 1.0 - numbers[2] / static_cast<double>(brick_count());
 }
 
 }  // namespace diaphane::render::cuda

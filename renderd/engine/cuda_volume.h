@@ -25,7 +25,7 @@ class CudaVolume : public DeviceVolume {
   const volume::Header& header() const override { return header_; }
   std::uint64_t device_bytes() const override {
     return 2 * header_.voxel_count() + ranges_.bytes() + exact_->ranges.bytes() +
-           exact_->levels.bytes() + exact_->slot_of.bytes() + exact_->missing.bytes() +
+           exact_->levels.bytes() + exact_->first_of.bytes() + exact_->missing.bytes() +
            exact_->nodes.bytes();
   }
   /// Without its ranges, which are on the device.
@@ -39,6 +39,10 @@ class CudaVolume : public DeviceVolume {
   Result<double> prepare_exact(const std::int32_t* clear_until, std::uint8_t* skips,
                                cudaStream_t stream) const;
   std::size_t brick_count() const;
+  /// Bytes of the skips of a transfer function.
+  std::size_t skip_bytes() const {
+    return 8 * static_cast<std::size_t>(BrickArray(grid_.bricks).count);
+  }
 
  private:
   /// Shared by the sessions, and filled by what they look at.
@@ -46,7 +50,7 @@ class CudaVolume : public DeviceVolume {
     std::mutex mutex;
     DeviceBuffer<ValueRange> ranges;
     DeviceBuffer<std::uint8_t> levels;
-    DeviceBuffer<std::int32_t> slot_of, missing;
+    DeviceBuffer<std::int32_t> first_of, missing;
     DeviceBuffer<CellNode> nodes;
     DeviceBuffer<std::uint32_t> counters;  ///< NodePool's two, and the occupied bricks
     std::uint32_t capacity = 0;

@@ -53,7 +53,7 @@ std::vector<Way> ways(const SceneView<LinearVolume>& view, int count) {
 }
 
 double walked_depth(const SceneView<LinearVolume>& view, const Way& way, int* cells = nullptr) {
-  ExactWalk<LinearVolume> walk(way.ray, way.span, view.exact);
+  ExactWalk<LinearVolume> walk(way.ray, way.span, view.volume, view.exact);
   CellCrossing<LinearVolume> c;
   double depth = 0;
   while (walk.next(view.volume, view.exact, c)) {
@@ -97,8 +97,9 @@ TEST(ExactWalk, PassesEveryCellThatIsNotEmpty) {
   const test::Prepared p(test::skull_volume(), curves_scene());
   const auto view = p.view();
   auto full = view;
-  const std::vector<std::uint8_t> none(8 * static_cast<std::size_t>(view.exact.brick_count), 0);
-  full.exact.skips = none.data();
+  std::vector<std::uint8_t> none = p.scene().transfer->exact.skips;
+  for (auto& skip : none) skip = skip == kOutside ? kOutside : 0;
+  full.exact.skips = none.data() + BrickArray(p.grid().bricks).first;
   int cells = 0, all = 0;
   for (const Way& way : ways(view, 400)) {
     if (!(way.span.begin < way.span.end)) continue;
@@ -124,8 +125,10 @@ TEST(ExactTables, SkipsAreTheLargestEmptyCubes) {
   for (int octant = 0; octant < 8; ++octant) {
     const int sx = (octant & 1) ? 1 : -1, sy = (octant & 2) ? 1 : -1, sz = (octant & 4) ? 1 : -1;
     for (int b = 0; b < 9 * 7 * 6; ++b) {
-      const int skip = skips[static_cast<std::size_t>(octant * 9 * 7 * 6 + b)];
       const int x = b % 9, y = b / 9 % 7, z = b / 63;
+      const BrickArray array(bricks);
+      const int skip =
+          skips[static_cast<std::size_t>(octant * array.count + array.index({x, y, z}))];
       const auto empty = [&](int n) {
         for (int i = 0; i < n * n * n; ++i) {
           if (at(x + sx * (i % n), y + sy * (i / n % n), z + sz * (i / n / n)) != 0) return false;

@@ -20,7 +20,10 @@ namespace diaphane::render {
 
 /// Beyond this optical depth a ray goes on by chance: it ends with the probability that light
 /// would.
-inline constexpr float kCertainDepth = 5.0f;
+#if !defined(DIAPHANE_CERTAIN_DEPTH)
+#define DIAPHANE_CERTAIN_DEPTH 5.0f
+#endif
+inline constexpr float kCertainDepth = DIAPHANE_CERTAIN_DEPTH;
 
 /// The transmittance along a ray, found in steps, so that a GPU may put another ray in its place
 /// when it ends. Unbiased; exact but for what is beyond kCertainDepth.
@@ -29,41 +32,43 @@ class TransmittanceWalk {
  public:
   TransmittanceWalk() = default;  ///< to be assigned to
   /// `ending` is an exponential variate.
-  HOST_DEVICE TransmittanceWalk(const Ray& ray, Span span, const ExactView& exact, float ending)
-      : walk_(ray, span, exact), dark_(kCertainDepth + ending) {}
+  HOST_DEVICE TransmittanceWalk(const Ray& ray, Span span, const Volume& volume,
+                                const ExactView& exact, float ending)
+      : walk_(ray, span, volume, exact), dark_(kCertainDepth + ending) {}
 
-  /// One step, across a cell or over empty ones; false when the ray has ended.
-  HOST_DEVICE bool step(const Volume& volume, const ExactView& exact) {
-    bool parts = false;
-    if (!step_unless_parts(volume, exact, parts)) return false;
-    if constexpr (F.has(Feature::kCurves)) {
-      if (parts) return step_parts(volume, exact);
+  HOST_DEVICE bool ended() const { return walk_.ended() || depth_ >= dark_; }
+  /// One step, across a cell or over empty ones, until it has ended.
+  HOST_DEVICE void step(const Volume& volume, const ExactView& exact) {
+    if (in_gap()) {
+      jump(volume, exact);
+    } else if (!cross(volume, exact)) {
+      cross_parts(volume, exact);
     }
-    return true;
   }
-  /// The same in two: what costs much, a cell with several pieces of the function, is left standing
-  /// with `parts` set, so that a GPU can gather rays that wait for it. Then step_parts() goes on.
-  HOST_DEVICE bool step_unless_parts(const Volume& volume, const ExactView& exact, bool& parts) {
-    if (walk_.ended()) return false;
+
+  // The same in three, so that a GPU can gather rays that wait for the same.
+  HOST_DEVICE bool in_gap() const { return walk_.in_gap(); }
+  HOST_DEVICE void jump(const Volume& volume, const ExactView& exact) { walk_.jump(volume, exact); }
+  /// Across a cell; false, and nothing done, when its values lie in several pieces of the function:
+  /// cross_parts() does it, and costs much.
+  HOST_DEVICE bool cross(const Volume& volume, const ExactView& exact) {
     CellCrossing<Volume> c;
-    if (!walk_.look(volume, exact, c)) return true;
+    walk_.look(c);
     ExtinctionPiece piece = exact.only;
     if constexpr (F.has(Feature::kCurves)) {
-      if (!one_piece(exact, volume.corner_values(c.cell, c.brick), piece)) {
-        parts = true;
-        return true;
-      }
+      if (!one_piece(exact, volume.corner_values(c.cell, c.brick), piece)) return false;
     }
-    walk_.pass(c);
-    depth_ += depth_in(piece, volume.corners(c.cell, c.brick), c.way);
-    return depth_ < dark_;
+    const Corners corners = volume.corners(c.cell, c.brick);
+    walk_.pass(c, volume, exact);
+    depth_ += depth_in(piece, corners, c.way);
+    return true;
   }
-  HOST_DEVICE bool step_parts(const Volume& volume, const ExactView& exact) {
+  HOST_DEVICE void cross_parts(const Volume& volume, const ExactView& exact) {
     CellCrossing<Volume> c;
-    walk_.look(volume, exact, c);
-    walk_.pass(c);
-    depth_ += depth_of_parts(volume.corners(c.cell, c.brick), c.way, exact);
-    return depth_ < dark_;
+    walk_.look(c);
+    const Corners corners = volume.corners(c.cell, c.brick);
+    walk_.pass(c, volume, exact);
+    depth_ += depth_of_parts(corners, c.way, exact);
   }
   /// Once it has ended.
   HOST_DEVICE float transmittance() const {
@@ -141,14 +146,20 @@ HOST_DEVICE FirstWalk find_hits(const Ray& ray, Span span, const Volume& volume,
     if (count > 0) furthest = larger(furthest, strata[k].target(count - 1));
   }
   const float dark = furthest + (needs_transmittance ? ending : 0.0f);
-  ExactWalk<Volume> walk(ray, span, exact);
+  ExactWalk<Volume> walk(ray, span, volume, exact);
   CellCrossing<Volume> c;
   float depth = 0.0f;
-  while (walk.next(volume, exact, c)) {
+  while (!walk.ended()) {
+    if (walk.in_gap()) {
+      walk.jump(volume, exact);
+      continue;
+    }
+    walk.look(c);
     constexpr bool kCurved = F.has(Feature::kCurves);
     const Corners corners = volume.corners(c.cell, c.brick);
     CornerRange range{0, 0};
     if constexpr (kCurved) range = volume.corner_values(c.cell, c.brick);
+    walk.pass(c, volume, exact);
     const float after = depth + depth_of_cell<kCurved>(corners, range, c.way, exact);
     while (nearest < after) {
       float following = 3.4e38f;

@@ -122,9 +122,9 @@ HOST_DEVICE SampleOf<F> exact_estimate(const SceneView<Volume>& scene, std::uint
             task_of<F>(scene, sample.camera, sample.points, sample.random, kind, stratum, hit);
         radiance += task.radiance;
         if (!task.lit) return;
-        TransmittanceWalk<F, Volume> walk(task.ray, task.span, scene.exact, task.ending);
-        while (walk.step(scene.volume, scene.exact)) {
-        }
+        TransmittanceWalk<F, Volume> walk(task.ray, task.span, scene.volume, scene.exact,
+                                          task.ending);
+        while (!walk.ended()) walk.step(scene.volume, scene.exact);
         radiance += task.weight * walk.transmittance();
       });
   result.met_matter |= first.met_matter;

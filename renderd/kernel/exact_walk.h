@@ -26,11 +26,12 @@ template <typename Volume>
 class ExactWalk {
  public:
   ExactWalk() = default;  ///< to be assigned to
-  HOST_DEVICE ExactWalk(const Ray& ray, Span span, const ExactView& exact)
+  HOST_DEVICE ExactWalk(const Ray& ray, Span span, const Volume& volume, const ExactView& exact)
       : origin_(ray.origin + Float3{0.5f, 0.5f, 0.5f}),
         direction_{away_from_zero(ray.direction.x), away_from_zero(ray.direction.y),
                    away_from_zero(ray.direction.z)},
-        inverse_{1.0f / direction_.x, 1.0f / direction_.y, 1.0f / direction_.z},
+        inverse_{quotient_near(1.0f, direction_.x), quotient_near(1.0f, direction_.y),
+                 quotient_near(1.0f, direction_.z)},
         t_(span.begin),
         last_(span.end),
         octant_(((direction_.x > 0.0f ? 1 : 0) | (direction_.y > 0.0f ? 2 : 0) |
@@ -40,28 +41,33 @@ class ExactWalk {
             inverse_;
     const Float3 p = origin_ + direction_ * t_;
     cell_ = {cell_at(p.x, exact.size.x), cell_at(p.y, exact.size.y), cell_at(p.z, exact.size.z)};
+    enter(volume, exact);
   }
 
   HOST_DEVICE bool ended() const { return !(t_ < last_); }
+  /// Before it has ended: whether the ray is where nothing is, and jump() goes on; else it is at a
+  /// cell.
+  HOST_DEVICE bool in_gap() const { return skip_ != 0; }
 
-  /// Where the ray is, until it has ended: true when it is at a cell where something may be, and
-  /// pass() goes on from there. False when it went over empty bricks or left the volume.
-  HOST_DEVICE bool look(const Volume& volume, const ExactView& exact, CellCrossing<Volume>& out) {
-    if (new_brick_) {
-      const Int3 b{cell_.x >> kBrickShift, cell_.y >> kBrickShift, cell_.z >> kBrickShift};
-      if (!within(b, exact.bricks)) {
-        t_ = last_;
-        return false;
-      }
-      const std::int32_t index = b.x + exact.bricks.x * (b.y + exact.bricks.y * b.z);
-      const std::int32_t skip = exact.skips[octant_ + index];
-      brick_ = volume.brick(b, index);
-      if (skip != 0) {
-        jump(b, skip, exact);
-        return false;
-      }
-      new_brick_ = false;
-    }
+  /// Over empty bricks: skip_ of them along each axis in the ray's direction, this one included.
+  HOST_DEVICE void jump(const Volume& volume, const ExactView& exact) {
+    // The last cells of the cube, and where the ray leaves them.
+    const Int3 far{cube_end(cell_.x, direction_.x), cube_end(cell_.y, direction_.y),
+                   cube_end(cell_.z, direction_.z)};
+    const Float3 plane = as_numbers(far) * inverse_ + bias_;
+    t_ = higher_of(t_, lower_of(plane.x, lower_of(plane.y, plane.z)));
+    const Float3 p = origin_ + direction_ * t_;
+    // Along the axis of the border the cell is known exactly. The others come from a rounded
+    // position, which may lie a cell back: never go back, or a ray through a corner would not end.
+    const Exit exit(plane);
+    cell_ = {exit.x ? far.x + sign(direction_.x) : forward(direction_.x, cell_.x, p.x),
+             exit.y ? far.y + sign(direction_.y) : forward(direction_.y, cell_.y, p.y),
+             exit.z ? far.z + sign(direction_.z) : forward(direction_.z, cell_.z, p.z)};
+    enter(volume, exact);
+  }
+
+  /// At a cell: the way through it.
+  HOST_DEVICE void look(CellCrossing<Volume>& out) const {
     const Float3 corner = as_numbers(cell_);
     // One rounding each where the processor has a fused multiply-add.
     out.planes = corner * inverse_ + bias_;
@@ -69,89 +75,75 @@ class ExactWalk {
     out.way = {origin_ - corner, direction_, t_, lower_of(last_, higher_of(t_, leaves))};
     out.cell = cell_;
     out.brick = brick_;
-    return true;
   }
   /// On to the neighbour of the cell that look() found.
-  HOST_DEVICE void pass(const CellCrossing<Volume>& at) {
+  HOST_DEVICE void pass(const CellCrossing<Volume>& at, const Volume& volume,
+                        const ExactView& exact) {
     // Beyond last_ nothing more is looked at.
     t_ = at.way.t1;
-    const Float3 plane = at.planes;
-    const bool x = plane.x <= plane.y && plane.x <= plane.z;
-    const bool y = !x && plane.y <= plane.z;
+    const Exit exit(at.planes);
     // No branches: the rays of a warp leave through different sides.
-    const Int3 next{cell_.x + (x ? sign(direction_.x) : 0), cell_.y + (y ? sign(direction_.y) : 0),
-                    cell_.z + (x || y ? 0 : sign(direction_.z))};
-    new_brick_ =
-        (((next.x ^ cell_.x) | (next.y ^ cell_.y) | (next.z ^ cell_.z)) >> kBrickShift) != 0;
+    const Int3 next{cell_.x + (exit.x ? sign(direction_.x) : 0),
+                    cell_.y + (exit.y ? sign(direction_.y) : 0),
+                    cell_.z + (exit.z ? sign(direction_.z) : 0)};
+    const std::int32_t changed = (next.x ^ cell_.x) | (next.y ^ cell_.y) | (next.z ^ cell_.z);
     cell_ = next;
+    if (changed >> kBrickShift != 0) enter(volume, exact);
   }
 
   /// The next cell where something may be; false when the ray has left.
   HOST_DEVICE bool next(const Volume& volume, const ExactView& exact, CellCrossing<Volume>& out) {
     while (!ended()) {
-      if (look(volume, exact, out)) {
-        pass(out);
+      if (!in_gap()) {
+        look(out);
+        pass(out, volume, exact);
         return true;
       }
+      jump(volume, exact);
     }
     return false;
   }
 
  private:
+  /// Through which side a cell is left, from where its planes are met: one of the three.
+  struct Exit {
+    bool x, y, z;
+    HOST_DEVICE explicit Exit(Float3 plane)
+        : x(plane.x <= plane.y && plane.x <= plane.z), y(!x && plane.y <= plane.z), z(!x && !y) {}
+  };
+
   HOST_DEVICE static float away_from_zero(float d) {
     return fabsf(d) < 1e-20f ? (d < 0.0f ? -1e-20f : 1e-20f) : d;
   }
-  HOST_DEVICE static std::int32_t up(float direction) { return direction > 0.0f ? 1 : 0; }
   HOST_DEVICE static float ahead(float direction) { return direction > 0.0f ? 1.0f : 0.0f; }
   HOST_DEVICE static std::int32_t sign(float direction) { return direction > 0.0f ? 1 : -1; }
   /// The comparison sends what is below the grid, and NaN, to 0.
   HOST_DEVICE static std::int32_t cell_at(float p, std::int32_t size) {
     return p > 0.0f ? static_cast<std::int32_t>(smaller(p, static_cast<float>(size))) : 0;
   }
-  /// A cell outside the volume is in another brick than those inside, or in the rest of the last
-  /// one, of which a ray within its span meets no more than rounding.
-  HOST_DEVICE static bool within(Int3 b, Int3 bricks) {
-    const auto in = [](std::int32_t i, std::int32_t n) {
-      return static_cast<std::uint32_t>(i) < static_cast<std::uint32_t>(n);
-    };
-    return in(b.x, bricks.x) && in(b.y, bricks.y) && in(b.z, bricks.z);
-  }
-  HOST_DEVICE float plane_distance(int axis, float plane) const {
-    return (plane - origin_[axis]) * inverse_[axis];
-  }
   HOST_DEVICE static Float3 as_numbers(Int3 i) {
     return {static_cast<float>(i.x), static_cast<float>(i.y), static_cast<float>(i.z)};
   }
-
-  /// Over empty bricks: `skip` of them along each axis in the ray's direction, this one included.
-  HOST_DEVICE void jump(Int3 brick, std::int32_t skip, const ExactView& exact) {
-    const auto border = [skip](std::int32_t b, float direction) {
-      return (b + (direction > 0.0f ? skip : 1 - skip)) * (1 << kBrickShift);
-    };
-    const std::int32_t px = border(brick.x, direction_.x), py = border(brick.y, direction_.y),
-                       pz = border(brick.z, direction_.z);
-    const float x = plane_distance(0, static_cast<float>(px));
-    const float y = plane_distance(1, static_cast<float>(py));
-    const float z = plane_distance(2, static_cast<float>(pz));
-    t_ = larger(t_, smaller(x, smaller(y, z)));
-    const Float3 p = origin_ + direction_ * t_;
-    // Along the axis of the border the cell is known exactly. The others come from a rounded
-    // position, which may lie a cell back: never go back, or a ray through a corner would not end.
-    Int3 on{forward(direction_.x, cell_.x, cell_at(p.x, exact.size.x)),
-            forward(direction_.y, cell_.y, cell_at(p.y, exact.size.y)),
-            forward(direction_.z, cell_.z, cell_at(p.z, exact.size.z))};
-    if (x <= y && x <= z) {
-      on.x = px - 1 + up(direction_.x);
-    } else if (y <= z) {
-      on.y = py - 1 + up(direction_.y);
-    } else {
-      on.z = pz - 1 + up(direction_.z);
-    }
-    cell_ = on;
-    new_brick_ = true;
+  HOST_DEVICE std::int32_t cube_end(std::int32_t cell, float direction) const {
+    const std::int32_t brick = cell >> kBrickShift;
+    return direction > 0.0f ? ((brick + skip_) << kBrickShift) - 1
+                            : (brick + 1 - skip_) << kBrickShift;
   }
-  HOST_DEVICE static std::int32_t forward(float direction, std::int32_t a, std::int32_t b) {
-    return direction > 0.0f ? larger(a, b) : smaller(a, b);
+  HOST_DEVICE static std::int32_t forward(float direction, std::int32_t cell, float p) {
+    const auto there = static_cast<std::int32_t>(floorf(p));
+    return direction > 0.0f ? larger(cell, there) : smaller(cell, there);
+  }
+
+  /// Looks up the brick of cell_, which may be one beyond the volume.
+  HOST_DEVICE void enter(const Volume& volume, const ExactView& exact) {
+    skip_ = 0;
+    if (ended()) return;
+    const std::int32_t brick = (cell_.x >> kBrickShift) +
+                               (cell_.y >> kBrickShift) * exact.brick_row +
+                               (cell_.z >> kBrickShift) * exact.brick_slice;
+    skip_ = exact.skips[octant_ + brick];
+    brick_ = volume.brick(brick);
+    if (skip_ == kOutside) t_ = last_;
   }
 
   Float3 origin_, direction_, inverse_;  ///< in cells
@@ -159,7 +151,7 @@ class ExactWalk {
   float t_, last_;
   Int3 cell_;
   std::int32_t octant_;  ///< of ExactView::skips: where the ray's octant begins
-  bool new_brick_ = true;
+  std::int32_t skip_;    ///< of the brick
   typename Volume::Brick brick_;
 };
 

@@ -42,7 +42,7 @@ struct LinearVolume {
   // Of cells between voxel centres (ExactWalk).
   /// What an engine looks up once for all cells of a brick: nothing here.
   struct Brick {};
-  HOST_DEVICE Brick brick(Int3 /*brick*/, std::int32_t /*index*/) const { return {}; }
+  HOST_DEVICE Brick brick(std::int32_t /*index*/) const { return {}; }
   HOST_DEVICE Corners corners(Int3 cell, Brick brick) const;
   HOST_DEVICE CornerRange corner_values(Int3 cell, Brick brick) const;
 };
@@ -97,6 +97,23 @@ inline constexpr int kHitKinds = 5;
 inline constexpr int kBrickShift = 2;
 inline constexpr int kBrickSize = 1 << kBrickShift;
 
+inline constexpr std::int32_t kOutside = 255;  ///< ExactView::skips
+
+/// An array of bricks with a rim.
+struct BrickArray {
+  std::int32_t row, slice, count;
+  std::int32_t first;  ///< brick (0, 0, 0)
+
+  HOST_DEVICE explicit BrickArray(Int3 bricks)
+      : row(bricks.x + 2),
+        slice(row * (bricks.y + 2)),
+        count(slice * (bricks.z + 2)),
+        first(1 + row + slice) {}
+  HOST_DEVICE std::int32_t index(Int3 brick) const {
+    return first + brick.x + row * brick.y + slice * brick.z;
+  }
+};
+
 /// What the exact walk needs beside the voxels.
 struct ExactView {
   const ExtinctionPiece* pieces;  ///< by rising value
@@ -105,11 +122,13 @@ struct ExactView {
   std::int32_t piece_count, first_value, last_value;
   ExtinctionPiece only;  ///< the first: all of them without Feature::kCurves
   Int3 size;             ///< of the volume in voxels: one less than the cells along each axis
-  Int3 bricks;           ///< x fastest
-  std::int32_t brick_count;
-  /// For each of 8 octants (bit 0: the ray goes up x, ...) and each brick: 0 where something may
-  /// be, else so many bricks along each axis in the octant's direction, this one included, are
-  /// empty.
+  /// Bricks lie in an array with a rim of one brick around, x fastest: brick (x, y, z), from -1 on,
+  /// is x + brick_row y + brick_slice z from brick (0, 0, 0) on.
+  std::int32_t brick_row, brick_slice;
+  std::int32_t brick_count;  ///< with the rim
+  /// For each of 8 octants (bit 0: the ray goes up x, ...), `brick_count` apart, and each brick: 0
+  /// where something may be, else so many bricks along each axis in the octant's direction, this
+  /// one included, are empty; kOutside in the rim. Points at brick (0, 0, 0).
   const std::uint8_t* skips;
   /// Collisions of one camera ray, by what they are for: so many strata of its opacity.
   std::int32_t strata[kHitKinds];

@@ -75,17 +75,17 @@ std::vector<ExtinctionPiece> join_pieces(const float* extinction, std::int32_t c
 
 std::vector<std::uint8_t> make_skips(const std::vector<std::uint8_t>& occupied, Int3 bricks) {
   const std::int32_t nx = bricks.x, ny = bricks.y, nz = bricks.z;
-  const std::size_t count = occupied.size();
-  std::vector<std::uint8_t> skips(8 * count);
+  const BrickArray array(bricks);
+  const auto count = static_cast<std::size_t>(array.count);
+  std::vector<std::uint8_t> skips(8 * count, static_cast<std::uint8_t>(kOutside));
   for (int octant = 0; octant < 8; ++octant) {
     std::uint8_t* skip = skips.data() + count * static_cast<std::size_t>(octant);
     const auto towards = [octant](int bit) { return (octant >> bit & 1) != 0 ? 1 : -1; };
     const int sx = towards(0), sy = towards(1), sz = towards(2);
     // A cube of n bricks is empty when its first is and the seven cubes of n - 1 beside it are;
-    // beyond the volume all is empty.
+    // beyond the volume all is.
     const auto at = [&](std::int32_t x, std::int32_t y, std::int32_t z) -> int {
-      if (x < 0 || y < 0 || z < 0 || x >= nx || y >= ny || z >= nz) return 254;
-      return skip[x + nx * (y + std::int64_t{ny} * z)];
+      return skip[array.index({x, y, z})];
     };
     for (std::int32_t k = 0; k < nz; ++k) {
       const std::int32_t z = sz > 0 ? nz - 1 - k : k;
@@ -94,11 +94,13 @@ std::vector<std::uint8_t> make_skips(const std::vector<std::uint8_t>& occupied, 
         for (std::int32_t i = 0; i < nx; ++i) {
           const std::int32_t x = sx > 0 ? nx - 1 - i : i;
           const std::int64_t brick = x + nx * (y + std::int64_t{ny} * z);
+          std::uint8_t& here = skip[array.index({x, y, z})];
+          here = 0;
           if (occupied[static_cast<std::size_t>(brick)] != 0) continue;
           const int least =
               std::min({at(x + sx, y, z), at(x, y + sy, z), at(x, y, z + sz), at(x + sx, y + sy, z),
                         at(x + sx, y, z + sz), at(x, y + sy, z + sz), at(x + sx, y + sy, z + sz)});
-          skip[brick] = static_cast<std::uint8_t>(std::min(least + 1, 255));
+          here = static_cast<std::uint8_t>(std::min(least + 1, kOutside - 1));
         }
       }
     }

@@ -15,7 +15,7 @@ struct ExactTables {
   /// For each voxel value from `first_value` on: up to which value from there on the extinction is
   /// 0; a smaller value where it is not 0 even there. A brick is empty when its values end by then.
   std::vector<std::int32_t> clear_until;
-  std::vector<std::uint8_t> skips;  ///< ExactView
+  std::vector<std::uint8_t> skips;  ///< make_skips()
   std::uint64_t occupied = 0;       ///< bricks in which something may be
 };
 
@@ -28,7 +28,7 @@ std::vector<ExtinctionPiece> join_pieces(const float* extinction, std::int32_t c
 ExactTables make_exact_tables(const float* extinction, std::int32_t count, double scale,
                               const ValueGrid& grid);
 
-/// ExactView::skips from which bricks are occupied, x fastest.
+/// ExactView::skips, a BrickArray for each octant, from which bricks are occupied, x fastest.
 std::vector<std::uint8_t> make_skips(const std::vector<std::uint8_t>& occupied, Int3 bricks);
 
 }  // namespace diaphane::render

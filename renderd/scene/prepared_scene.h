@@ -70,6 +70,7 @@ inline ExactView exact_view_of(const PreparedScene& scene, const ValueGrid& grid
                                const std::uint8_t* skips) {
   const ExactTables& t = scene.transfer->exact;
   const auto strata = strata_for(scene);
+  const BrickArray bricks(grid.bricks);
   return {.pieces = pieces,
           .piece_of = piece_of,
           .piece_count = static_cast<std::int32_t>(t.pieces.size()),
@@ -77,9 +78,10 @@ inline ExactView exact_view_of(const PreparedScene& scene, const ValueGrid& grid
           .last_value = grid.whole.maximum,
           .only = t.pieces.empty() ? ExtinctionPiece{} : t.pieces.front(),
           .size = size,
-          .bricks = grid.bricks,
-          .brick_count = grid.bricks.x * grid.bricks.y * grid.bricks.z,
-          .skips = skips,
+          .brick_row = bricks.row,
+          .brick_slice = bricks.slice,
+          .brick_count = bricks.count,
+          .skips = skips == nullptr ? nullptr : skips + bricks.first,
           .strata = {strata[0], strata[1], strata[2], strata[3], strata[4]}};
 }
 
