@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "renderd/math/random.h"
 
@@ -47,6 +48,15 @@ volume::Volume made_volume(std::uint32_t n) {
   }
   volume::measure(v);
   return v;
+}
+
+Result<volume::Volume> named_volume(const std::string& name) {
+  if (name != "made" && !name.starts_with("made:")) return volume::read(name, false);
+  const unsigned long n = name == "made" ? 128 : std::strtoul(name.c_str() + 5, nullptr, 10);
+  if (n < 16 || n > 2048) {
+    return fail(ErrorCode::kInvalid, "made:N has N from 16 to 2048", "--volume");
+  }
+  return made_volume(static_cast<std::uint32_t>(n));
 }
 
 }  // namespace diaphane::render::bench

@@ -43,15 +43,6 @@ int complain(const diaphane::Error& error) {
   return error.code == ErrorCode::kUnavailable ? kNoDevice : kFailed;
 }
 
-Result<diaphane::volume::Volume> volume_of(const std::string& name) {
-  if (name != "made" && !name.starts_with("made:")) return diaphane::volume::read(name, false);
-  const unsigned long n = name == "made" ? 128 : std::strtoul(name.c_str() + 5, nullptr, 10);
-  if (n < 16 || n > 2048) {
-    return diaphane::fail(ErrorCode::kInvalid, "made:N has N from 16 to 2048", "--volume");
-  }
-  return bench::made_volume(static_cast<std::uint32_t>(n));
-}
-
 Result<diaphane::v1::Scene> scene_of(const std::string& path) {
   std::ifstream file(path);
   std::stringstream text;
@@ -114,7 +105,7 @@ Result<std::unique_ptr<render::Engine>> engine_of(const Options& options) {
 Result<bench::Convergence> converge(Options& options) {
   auto engine = engine_of(options);
   if (!engine) return tl::unexpected(engine.error());
-  auto volume = volume_of(options.volume);
+  auto volume = bench::named_volume(options.volume);
   if (!volume) return tl::unexpected(volume.error());
   auto scene = scene_of(options.scene);
   if (!scene) return tl::unexpected(scene.error());

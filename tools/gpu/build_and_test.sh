@@ -5,7 +5,7 @@
 #   CRANIUM  the scene's volume (tools/gpu/cranium_volume.py); without it nothing is measured
 #   OUT      where logs, pictures and render.json go; default out/
 #   CONFIGURE, TARGETS  further arguments of CMake; what to build instead of everything
-#   STEPS    of "build unit gpu memcheck engine measure convergence stability"; default all but the last two
+#   STEPS    of "build unit gpu memcheck engine measure convergence stability schedule"; default all but the last three
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 OUT=${OUT:-$PWD/out}
@@ -75,5 +75,13 @@ fi
 if wants stability; then
   step stability python3 tools/gpu/bench.py "$BUILD" "$OUT/stability.json" stability --engine cuda --out "$OUT"
 fi
-cat "$OUT"/*.log > "$OUT/all.log" && rm "$OUT"/{configure,build,unit,gpu,memcheck,racecheck,initcheck,engine,convergence,stability}.log 2> /dev/null
+# The scheduler's policies on the device, then simulated with the costs measured there. SCHEDULE: options of `./diaphane bench
+# schedule`.
+if wants schedule; then
+  DIAPHANE_CRANIUM=$CRANIUM step schedule-real python3 tools/gpu/bench.py "$BUILD" "$OUT/schedule-real-results.json" schedule \
+    --real --engine cuda --out "$OUT/schedule" ${SCHEDULE:-}
+  step schedule-simulated python3 tools/gpu/bench.py "$BUILD" "$OUT/schedule-simulated-results.json" schedule \
+    --simulate --costs "$OUT/schedule/costs.json" --out "$OUT/schedule" ${SCHEDULE:-}
+fi
+cat "$OUT"/*.log > "$OUT/all.log" && rm "$OUT"/{configure,build,unit,gpu,memcheck,racecheck,initcheck,engine,convergence,stability,schedule-real,schedule-simulated}.log 2> /dev/null
 exit $failed

@@ -3,11 +3,16 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <fstream>
 #include <iostream>
 #include <sstream>
 
+#include "renderd/bench/made_volume.h"
+#include "renderd/bench/schedule/figure9.h"
+#include "renderd/bench/schedule/real_run.h"
 #include "renderd/bench/schedule/schedule_results.h"
+#include "renderd/scene/presets.h"
 
 namespace diaphane::render::bench {
 namespace {
@@ -18,6 +23,14 @@ int complain(const Error& error) {
   std::cerr << "diaphane-renderd-bench: " << (error.field.empty() ? "" : error.field + ": ")
             << error.message << '\n';
   return error.code == ErrorCode::kUnavailable ? kNoDevice : kFailed;
+}
+
+Result<std::string> read_text(const std::string& path, const char* field) {
+  std::ifstream file(path);
+  std::stringstream text;
+  text << file.rdbuf();
+  if (!file) return fail(ErrorCode::kNotFound, "cannot read " + path, field);
+  return text.str();
 }
 
 bool written(const std::string& path, const std::string& text) {
@@ -37,6 +50,11 @@ std::vector<std::string> policy_names() {
 }  // namespace
 
 struct ScheduleCommand::Options {
+  bool real = false;
+  std::string engine = "cpu", volume = "made:64", scenes;
+  unsigned threads = 0;
+  double scale = 1;
+  std::string costs_out, figure9;
   std::vector<std::string> policies = policy_names();
   std::vector<std::size_t> sessions{2, 4, 16, 64, 256};
   std::vector<std::string> traces{std::begin(kTraceKinds), std::end(kTraceKinds)};
@@ -70,43 +88,157 @@ ScheduleCommand::ScheduleCommand(CLI::App& app) : options_(std::make_unique<Opti
   c.add_option("--json", o.json, "results");
   c.add_option("--csv", o.csv, "results");
   c.add_option("--write-traces", o.write_traces, "folder: the traces, as JSON");
+  c.add_option("--figure9", o.figure9, "the thesis's Figure 9: printed, and as JSON to this file");
   c.add_flag("--quiet", o.quiet, "no progress on standard error");
+  c.add_flag("--real", o.real, "on the real renderer, in real time; else simulated");
+  c.add_option("--engine", o.engine)->check(CLI::IsMember({"cpu", "cuda"}));
+  c.add_option("--threads", o.threads, "of the CPU engine; 0: one a core");
+  c.add_option("--volume", o.volume, "directory of the volume store, or made:N");
+  c.add_option("--scenes", o.scenes, "folder of the scene files (tests/scenes), for --real");
+  c.add_option("--scale", o.scale, "of the traces' viewports, for slow devices")
+      ->check(CLI::Range(0.01, 4.0));
+  c.add_option("--costs-out", o.costs_out, "what the real device costs, for --costs");
 }
 
 ScheduleCommand::~ScheduleCommand() = default;
 bool ScheduleCommand::chosen() const { return command_->parsed(); }
 
-int ScheduleCommand::run() {
+namespace {
+
+bool shows(bool quiet) { return !quiet && ::isatty(STDERR_FILENO) == 1; }
+
+}  // namespace
+
+/// What a real run needs, kept together while it lasts.
+struct ScheduleCommand::Device {
+  std::unique_ptr<Engine> engine;
+  std::shared_ptr<const DeviceVolume> volume;
+  std::unique_ptr<Stage> stage;
+  DeviceModel model;
+};
+
+Result<void> ScheduleCommand::open(Device& device) const {
   const Options& o = *options_;
-  auto model = device_model(o.costs);
-  if (!model) return complain(model.error());
+  auto engine =
+      make_engine(o.engine == "cuda" ? EngineChoice::kCuda : EngineChoice::kCpu, o.threads);
+  if (!engine) return tl::unexpected(engine.error());
+  device.engine = std::move(*engine);
+  auto volume = named_volume(o.volume);
+  if (!volume) return tl::unexpected(volume.error());
+  auto loaded = device.engine->load(*volume);
+  if (!loaded) return tl::unexpected(loaded.error());
+  device.volume = std::move(*loaded);
+  device.stage = std::make_unique<Stage>(
+      Stage{*device.engine, device.volume, {}, o.scale, {.target_error = o.target}});
+  for (const char* name : kTraceScenes) {
+    auto text = read_text(o.scenes + "/" + name + ".json", "--scenes");
+    if (!text) return tl::unexpected(text.error());
+    auto scene = scene_from_json(*text);
+    if (!scene) return tl::unexpected(scene.error());
+    device.stage->scenes[name] = std::move(*scene);
+  }
+  auto model = measure_costs(*device.stage);
+  if (!model) return tl::unexpected(model.error());
+  device.model = std::move(*model);
+  return {};
+}
+
+Result<ScheduleReport> ScheduleCommand::measure() const {
+  const Options& o = *options_;
+  ScheduleReport report;
+  Device device;
+  if (o.real) {
+    if (const auto opened = open(device); !opened) return tl::unexpected(opened.error());
+    report.how = "real";
+    report.model = device.model;
+  } else {
+    auto model = device_model(o.costs);
+    if (!model) return tl::unexpected(model.error());
+    report.how = "simulated";
+    report.model = std::move(*model);
+  }
+  report.device = report.model.name;
+  report.seconds = o.seconds;
   const LedgerRules rules{.target_error = o.target};
-  ScheduleReport report{.how = "simulated",
-                        .device = model->name,
-                        .seconds = o.seconds,
-                        .rows = {},
-                        .fleet = {},
-                        .decisions = {},
-                        .model = *model};
   for (const std::string& kind : o.traces) {
     for (const std::size_t sessions : o.sessions) {
       for (const std::string& name : o.policies) {
         ScheduleRow row{kind, sessions, *policy_kind(name), {}};
         for (unsigned i = 0; i < o.seeds; ++i) {
-          const Trace trace = make_trace(kind, sessions, o.seconds, o.seed + i);
-          row.runs.push_back(
-              simulate(trace, *model, make_policy(row.policy, {}, o.seed + i), rules).scores);
+          auto trace = trace_of(kind, sessions, i);
+          if (!trace) return tl::unexpected(trace.error());
+          row.sessions = trace->sessions.size();
+          auto policy = make_policy(row.policy, {}, o.seed + i);
+          if (o.real) {
+            if (shows(o.quiet)) std::cerr << kind << ' ' << sessions << ' ' << name << '\n';
+            auto run = run_real(*trace, *device.stage, report.model, std::move(policy));
+            if (!run) return tl::unexpected(run.error());
+            row.runs.push_back(run->scores);
+          } else {
+            row.runs.push_back(simulate(*trace, report.model, std::move(policy), rules).scores);
+          }
         }
         report.rows.push_back(std::move(row));
       }
     }
   }
+  if (o.fleet_sessions > 0 && !o.real) measure_fleet(report);
   for (const std::string& name : o.policies) {
     report.decisions.push_back(measure_decision(*policy_kind(name), 256, 5));
   }
-  std::cout << schedule_text(report) << std::flush;
-  return written(o.json, schedule_json(report)) && written(o.csv, schedule_csv(report)) ? 0
-                                                                                        : kFailed;
+  return report;
+}
+
+Result<Trace> ScheduleCommand::trace_of(const std::string& kind, std::size_t sessions,
+                                        unsigned number) const {
+  const Options& o = *options_;
+  if (std::find(std::begin(kTraceKinds), std::end(kTraceKinds), kind) == std::end(kTraceKinds)) {
+    auto text = read_text(kind, "--trace");
+    if (!text) return tl::unexpected(text.error());
+    return trace_of_json(*text);
+  }
+  Trace trace = make_trace(kind, sessions, o.seconds, o.seed + number);
+  if (!o.write_traces.empty()) {
+    const std::string name =
+        kind + "-" + std::to_string(sessions) + "-" + std::to_string(o.seed + number) + ".json";
+    if (!written(o.write_traces + "/" + name, trace_json(trace))) {
+      return fail(ErrorCode::kInvalid, "no such folder: " + o.write_traces, "--write-traces");
+    }
+  }
+  return trace;
+}
+
+void ScheduleCommand::measure_fleet(ScheduleReport& report) const {
+  const Options& o = *options_;
+  const std::size_t devices = std::max<std::size_t>(o.fleet_devices, 1);
+  for (const std::string& kind : o.traces) {
+    const Trace trace = make_trace(kind, o.fleet_sessions, o.seconds, o.seed);
+    for (const Placement placement : kPlacements) {
+      report.fleet.push_back(
+          {o.fleet_sessions,
+           devices,
+           kind,
+           placement,
+           {simulate_fleet(trace, devices, report.model, PolicyKind::kMarginalGain, placement,
+                           {.target_error = o.target})}});
+    }
+  }
+}
+
+int ScheduleCommand::run() {
+  const Options& o = *options_;
+  if (!o.figure9.empty()) {
+    const auto situations = figure9(o.seed);
+    std::cout << figure9_text(situations) << std::flush;
+    return written(o.figure9, figure9_json(situations)) ? 0 : kFailed;
+  }
+  const auto report = measure();
+  if (!report) return complain(report.error());
+  std::cout << schedule_text(*report) << std::flush;
+  return written(o.json, schedule_json(*report)) && written(o.csv, schedule_csv(*report)) &&
+                 written(o.costs_out, device_model_json(report->model))
+             ? 0
+             : kFailed;
 }
 
 }  // namespace diaphane::render::bench

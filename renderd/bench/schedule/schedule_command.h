@@ -3,6 +3,8 @@
 #include <memory>
 #include <string>
 
+#include "renderd/bench/schedule/schedule_results.h"
+
 namespace CLI {
 class App;
 }
@@ -20,6 +22,12 @@ class ScheduleCommand {
 
  private:
   struct Options;
+  struct Device;
+  Result<void> open(Device& device) const;
+  Result<ScheduleReport> measure() const;
+  void measure_fleet(ScheduleReport& report) const;
+  Result<Trace> trace_of(const std::string& kind, std::size_t sessions, unsigned number) const;
+
   std::unique_ptr<Options> options_;
   CLI::App* command_;
 };

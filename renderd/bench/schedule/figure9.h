@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "renderd/schedule/policy.h"
+
+namespace diaphane::render::bench {
+
+/// One column of the thesis's Figure 9: whose iteration was computed, one after the other.
+struct Situation {
+  std::string what;
+  std::vector<std::uint64_t> iterations;  ///< of each node when the snapshot begins
+  struct Turn {
+    std::size_t node = 0;         ///< from 1
+    std::uint64_t iteration = 0;  ///< that it computed
+  };
+  std::vector<Turn> turns;       ///< fifteen, as in the figure
+  std::vector<double> shares;    ///< of the turns, over many such snapshots
+  std::vector<double> expected;  ///< proportional to 1 / sqrt(n) at the snapshot's begin
+};
+
+/// The seven situations of Figure 9, with the iterations read from it, through the thesis's policy
+/// with quanta of one iteration.
+std::vector<Situation> figure9(std::uint64_t seed);
+std::string figure9_text(const std::vector<Situation>& situations);
+std::string figure9_json(const std::vector<Situation>& situations);
+
+}  // namespace diaphane::render::bench

@@ -1,0 +1,118 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "renderd/bench/schedule/real_run.h"
+
+namespace diaphane::render::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+const auto kNever = [] { return false; };
+
+double since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Median seconds of some calls; the error of the first that fails.
+template <typename Call>
+Result<double> timed(int times, Call call) {
+  std::vector<double> seconds;
+  for (int i = 0; i < times; ++i) {
+    const auto start = Clock::now();
+    if (const auto done = call(i); !done) return tl::unexpected(done.error());
+    seconds.push_back(since(start));
+  }
+  return quantile(std::move(seconds), 0.5);
+}
+
+v1::Scene turned(v1::Scene scene, int step) {
+  auto& eye = *scene.mutable_camera()->mutable_eye();
+  eye.set_x(eye.x() + 0.5 * std::sin(0.1 * step));
+  return scene;
+}
+
+/// Until so many samples gave an error that can be trusted, and the device was busy for a while.
+constexpr std::uint64_t kNoiseSamples = 64;
+constexpr double kLeastSeconds = 0.3;
+
+Result<SceneCost> scene_cost(FrameRenderer& renderer, const v1::Scene& scene, Canvas canvas) {
+  if (const auto taken = renderer.set_scene(scene, canvas); !taken) {
+    return tl::unexpected(taken.error());
+  }
+  if (const auto warm = renderer.render(4, kNever); !warm) return tl::unexpected(warm.error());
+  double seconds = 0;
+  std::uint64_t samples = 0;
+  while (renderer.progress().samples < kNoiseSamples || seconds < kLeastSeconds) {
+    const auto batch = renderer.render(16, kNever);
+    if (!batch) return tl::unexpected(batch.error());
+    seconds += batch->seconds;
+    samples += batch->samples;
+  }
+  const Progress progress = renderer.progress();
+  return SceneCost{seconds / (double(samples) * canvas.width * canvas.height),
+                   progress.error * std::sqrt(double(progress.samples))};
+}
+
+}  // namespace
+
+Canvas Stage::canvas(Canvas viewport) const {
+  const auto scaled = [this](std::uint32_t side) {
+    return std::max(16U, static_cast<std::uint32_t>(std::lround(side * scale / 2)) * 2);
+  };
+  return {scaled(viewport.width), scaled(viewport.height)};
+}
+
+Result<DeviceModel> measure_costs(const Stage& stage) {
+  DeviceModel model;
+  model.name = stage.engine.info().device;
+  model.parallel = stage.engine.info().parallel;
+  model.look_seconds = 0.3e-6;
+  auto renderer = stage.engine.renderer(stage.volume, 1, 0, kLiveMethod);
+  if (!renderer) return tl::unexpected(renderer.error());
+  FrameRenderer& r = **renderer;
+  r.prepare_denoising(true);
+  const Canvas large = stage.canvas({512, 512}), small = stage.canvas({256, 256});
+  for (const auto& [name, scene] : stage.scenes) {
+    const auto cost = scene_cost(r, scene, large);
+    if (!cost) return tl::unexpected(cost.error());
+    model.scenes[name] = *cost;
+  }
+  const v1::Scene& scene = stage.scenes.begin()->second;
+  const auto scenes = timed(15, [&](int i) { return r.set_scene(turned(scene, i), large); });
+  if (!scenes) return tl::unexpected(scenes.error());
+  model.scene_seconds = *scenes;
+  // A quantum of one sample each, against one quantum of all.
+  constexpr int kQuanta = 32;
+  if (const auto warm = r.render(2, kNever); !warm) return tl::unexpected(warm.error());
+  const auto one = timed(kQuanta, [&](int) {
+    auto batch = r.render(1, kNever);
+    (void)r.progress();
+    return batch;
+  });
+  const auto all = timed(5, [&](int) { return r.render(kQuanta, kNever); });
+  if (!one || !all) return tl::unexpected(one ? all.error() : one.error());
+  model.quantum_seconds = std::max(0.0, *one - *all / kQuanta);
+  // The first picture of an epoch is the dearest: it is smoothed.
+  double seconds[2] = {};
+  const Canvas sizes[2] = {small, large};
+  for (int i = 0; i < 2; ++i) {
+    PictureRgb8 picture;
+    if (const auto taken = r.set_scene(scene, sizes[i]); !taken) {
+      return tl::unexpected(taken.error());
+    }
+    if (const auto batch = r.render(2, kNever); !batch) return tl::unexpected(batch.error());
+    const auto shown = timed(9, [&](int) { return r.display_denoised(picture); });
+    if (!shown) return tl::unexpected(shown.error());
+    seconds[i] = *shown;
+  }
+  const auto pixels = [](Canvas c) { return double(c.width) * c.height; };
+  model.picture_seconds_per_pixel =
+      std::max(0.0, (seconds[1] - seconds[0]) / (pixels(large) - pixels(small)));
+  model.picture_seconds =
+      std::max(0.0, seconds[0] - model.picture_seconds_per_pixel * pixels(small));
+  return model;
+}
+
+}  // namespace diaphane::render::bench
