@@ -92,12 +92,28 @@ __global__ void __launch_bounds__(kCameraBlock, DIAPHANE_CAMERA_BLOCKS)
     float transmittance = 1.0f;
     bool met = camera.sight.slice;
     if (camera.sight.span.begin < camera.sight.span.end) {
+      // All targets at once, before the rays of the warp go different ways.
+      Random own = camera.random.fork(kCameraStream);
+      constexpr KindList kKinds = hit_kinds<kF>();
+      for (int k = 0; k < kKinds.count; ++k) {
+        const int kind = kKinds.of[k];
+        const std::int32_t count = scene.exact.strata[kind],
+                           before = strata_before(scene.exact, kind);
+        const float offset = stratum_offset(scene, camera, kind, own);
+        for (std::int32_t i = 0; i < count; ++i) {
+          staged.at(2, before + i) = target_depth(i, count, offset);
+        }
+      }
+      const auto place = [&](int kind, std::int32_t stratum) {
+        return strata_before(scene.exact, kind) + stratum;
+      };
       const FirstWalk first = walk_camera_ray<kF>(
-          scene, camera,
-          [&](int kind, std::int32_t stratum, const Corners&, const Crossing& way, float depth) {
-            const std::int32_t s = strata_before(scene.exact, kind) + stratum;
-            staged.at(0, s) = way.t0;
-            staged.at(1, s) = way.t1;
+          scene, camera, [&](int kind, std::int32_t i) { return staged.at(2, place(kind, i)); },
+          own.exponential(),
+          [&](int kind, std::int32_t i, const CellCrossing<TextureVolume>& cell, float depth) {
+            const std::int32_t s = place(kind, i);
+            staged.at(0, s) = cell.way.t0;
+            staged.at(1, s) = cell.way.t1;
             staged.at(2, s) = depth;
             item.hits += 1u << 6 * kind;
           });

@@ -20,11 +20,8 @@ namespace diaphane::render::cuda {
 #if !defined(DIAPHANE_LIGHT_REFILL)
 #define DIAPHANE_LIGHT_REFILL 8
 #endif
-/// So many must wait before an empty space, or at a cell of several pieces of the function, until
-/// these are gone over together.
-#if !defined(DIAPHANE_LIGHT_JUMPS)
-#define DIAPHANE_LIGHT_JUMPS 8
-#endif
+/// So many must wait at a cell of several pieces of the function until these are gone through
+/// together.
 #if !defined(DIAPHANE_LIGHT_PARTS)
 #define DIAPHANE_LIGHT_PARTS 12
 #endif
@@ -136,22 +133,19 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS)
   int stacked = 0;
   bool more = true;
   // What a lane waits for.
-  enum Wants : int { kRay, kCell, kJump, kParts } wants = kRay;
+  enum Wants : int { kRay, kCell, kPart } wants = kRay;
   std::uint32_t hit = 0;
   TransmittanceWalk<kF, TextureVolume> walk;
   /// After a step.
   const auto go_on = [&] {
-    wants = kCell;
-    if (walk.ended()) {
-      const float seen = walk.transmittance();
-      HitRecord& record = scratch.hits[hit];
-      record.a *= seen;
-      record.b *= seen;
-      record.c *= seen;
-      wants = kRay;
-    } else if (walk.in_gap()) {
-      wants = kJump;
-    }
+    wants = kCurved && walk.in_parts() ? kPart : kCell;
+    if (!walk.ended()) return;
+    const float seen = walk.transmittance();
+    HitRecord& record = scratch.hits[hit];
+    record.a *= seen;
+    record.b *= seen;
+    record.c *= seen;
+    wants = kRay;
   };
   for (;;) {
     const std::uint32_t idle = __ballot_sync(~0u, wants == kRay);
@@ -177,19 +171,11 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS)
       stacked = larger(stacked - free, 0);
       __syncwarp();
     }
-    const int jumps = __popc(__ballot_sync(~0u, wants == kJump));
-    const bool cells = __any_sync(~0u, wants == kCell);
-    if (jumps >= DIAPHANE_LIGHT_JUMPS || !cells) {
-      if (wants == kJump) {
-        walk.jump(scene.volume, scene.exact);
-        go_on();
-      }
-    }
     if constexpr (kCurved) {
-      const int parts = __popc(__ballot_sync(~0u, wants == kParts));
+      const int parts = __popc(__ballot_sync(~0u, wants == kPart));
       if (parts >= DIAPHANE_LIGHT_PARTS || !__any_sync(~0u, wants == kCell)) {
-        if (wants == kParts) {
-          walk.cross_parts(scene.volume, scene.exact);
+        if (wants == kPart) {
+          walk.step_part(scene.volume, scene.exact);
           go_on();
         }
       }
@@ -197,11 +183,8 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS)
 #pragma unroll
     for (int i = 0; i < DIAPHANE_LIGHT_STEPS; ++i) {
       if (wants == kCell) {
-        if (walk.cross(scene.volume, scene.exact)) {
-          go_on();
-        } else {
-          wants = kParts;
-        }
+        walk.step_cell(scene.volume, scene.exact);
+        go_on();
       }
     }
   }

@@ -53,12 +53,16 @@ std::vector<Way> ways(const SceneView<LinearVolume>& view, int count) {
 }
 
 double walked_depth(const SceneView<LinearVolume>& view, const Way& way, int* cells = nullptr) {
-  ExactWalk<LinearVolume> walk(way.ray, way.span, view.volume, view.exact);
+  DepthWalk<Features{}.with(Feature::kCurves), LinearVolume> walk(way.ray, way.span, view.volume,
+                                                                  view.exact);
   CellCrossing<LinearVolume> c;
   double depth = 0;
-  while (walk.next(view.volume, view.exact, c)) {
-    depth += depth_of_cell<true>(view.volume.corners(c.cell, c.brick),
-                                 view.volume.corner_values(c.cell, c.brick), c.way, view.exact);
+  float before = 0;
+  while (!walk.ended()) {
+    if (!walk.step(view.volume, view.exact, c)) continue;
+    // Summed here in double: what is tested is each cell.
+    depth += double{walk.depth()} - before;
+    before = walk.depth();
     if (cells != nullptr) ++*cells;
   }
   return depth;
@@ -178,10 +182,15 @@ TEST(FindHits, AreWhereTheOpacityReachesTheirStrata) {
     constexpr Features kF =
         Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment).with(Feature::kCurves);
     find_hits<kF>(
-        way.ray, way.span, view.volume, view.exact, u, 1.0f, true,
-        [&](int s, std::int32_t stratum, const Corners& corners, const Crossing& c, float to) {
-          const float t = place_in_cell<true>(corners, c, view.exact, to);
-          const Hit hit{t, corners.at(c.at(t))};
+        way.ray, way.span, view.volume, view.exact,
+        [&](int kind, std::int32_t stratum) {
+          return target_depth(stratum, view.exact.strata[kind], u(kind));
+        },
+        1.0f, true,
+        [&](int s, std::int32_t stratum, const CellCrossing<LinearVolume>& c, float to) {
+          const Corners corners = view.volume.corners(c.cell, c.brick);
+          const float t = place_in_cell<true>(corners, c.way, view.exact, to);
+          const Hit hit{t, corners.at(c.way.at(t))};
           const double opacity = (stratum + u(s)) / view.exact.strata[s];
           const double depth = walked_depth(view, {way.ray, {way.span.begin, hit.distance}});
           EXPECT_NEAR(-std::expm1(-depth), opacity, 2e-4);

@@ -44,13 +44,15 @@ HOST_DEVICE float extinction_in(const ExtinctionPiece& piece, float value) {
   return higher_of(piece.extinction + piece.slope * (value - piece.begin), 0.0f);
 }
 
+/// Gauss's quadrature with two points on [0, 1], this one and its mirror image.
+inline constexpr float kGaussNode = 0.21132486540518713f;
+
 /// Optical depth from ta to tb: exact while every value between lies in the piece.
 HOST_DEVICE float depth_between(const Corners& corners, const Crossing& way,
                                 const ExtinctionPiece& piece, float ta, float tb) {
-  constexpr float kNode = 0.21132486540518713f;  // Gauss, two points on [0, 1]
   const float length = tb - ta;
-  const float a = extinction_in(piece, corners.at(way.at(ta + kNode * length)));
-  const float b = extinction_in(piece, corners.at(way.at(tb - kNode * length)));
+  const float a = extinction_in(piece, corners.at(way.at(ta + kGaussNode * length)));
+  const float b = extinction_in(piece, corners.at(way.at(tb - kGaussNode * length)));
   return 0.5f * length * (a + b);
 }
 
@@ -94,6 +96,7 @@ HOST_DEVICE float invert_depth(const Corners& corners, const Crossing& way,
 struct ValueCubic {
   float c0, c1, c2, c3;
 
+  ValueCubic() = default;  ///< to be assigned to
   HOST_DEVICE ValueCubic(const Corners& c, const Crossing& way) {
     const float length = way.t1 - way.t0;
     const Float3 p = way.at(way.t0), d = way.direction * length;
@@ -171,37 +174,65 @@ struct ValueCubic {
   }
 };
 
-/// Calls `visit(piece, ta, tb)` for each part of the crossing in which the extinction is linear in
-/// the value, in order, until it returns false; false then.
-template <typename Visit>
-HOST_DEVICE bool for_each_part(const Corners& corners, const Crossing& way, const ExactView& exact,
-                               Visit&& visit) {
-  const ValueCubic cubic(corners, way);
-  const float length = way.t1 - way.t0;
-  float turns[4] = {0.0f, 1.0f, 1.0f, 1.0f};
-  if (!cubic.hull().monotone()) cubic.turns(turns[1], turns[2]);
-  float begin = 0.0f;
-  for (int leg = 0; leg < 3; ++leg) {
-    const float end = turns[leg + 1];
-    if (!(end > begin)) continue;
-    const float from = cubic.at(begin), to = cubic.at(end);
-    const bool rising = to > from;
-    std::int32_t piece = exact.piece_at(from);
-    if (!rising && piece > 0 && from <= exact.pieces[piece].begin) --piece;
-    while (true) {
-      const ExtinctionPiece p = exact.pieces[piece];
-      const float border = rising ? p.end : p.begin;
-      const bool last =
-          rising ? !(border < to) || piece + 1 >= exact.piece_count : !(border > to) || piece == 0;
-      const float next = last ? end : cubic.meets(border, begin, cubic.at(begin), end, to);
-      if (next > begin && !visit(p, way.t0 + begin * length, way.t0 + next * length)) return false;
-      begin = larger(begin, next);
-      if (last) break;
-      piece += rising ? 1 : -1;
-    }
+/// The parts of a crossing in which the extinction is linear in the value, in order: one piece
+/// after another along each leg on which the value rises or falls throughout.
+class PartsWalk {
+ public:
+  struct Part {
+    ExtinctionPiece piece;
+    float begin, end;  ///< s of ValueCubic
+  };
+
+  PartsWalk() = default;  ///< to be assigned to
+  HOST_DEVICE PartsWalk(const Corners& corners, const Crossing& way, const ExactView& exact)
+      : cubic_(corners, way) {
+    const ValueCubic::Hull hull = cubic_.hull();
+    if (!hull.monotone()) cubic_.turns(leg_end_, next_turn_);
+    piece_ = exact.piece_at(cubic_.c0);
+    const bool falls = cubic_.at(leg_end_) < cubic_.c0;
+    if (falls && piece_ > 0 && cubic_.c0 <= exact.pieces[piece_].begin) --piece_;
+    // The ray's own values span less than the cell's: often one piece.
+    const ValueSpan range = hull.range();
+    const ExtinctionPiece piece = exact.pieces[piece_];
+    if (range.low >= piece.begin && range.high <= piece.end) leg_end_ = next_turn_ = 1.0f;
   }
-  return true;
-}
+
+  HOST_DEVICE bool ended() const { return !(at_ < 1.0f); }
+  HOST_DEVICE Part next(const ExactView& exact) {
+    const Part part = part_up_to_border(exact);
+    at_ = larger(at_, part.end);
+    return part;
+  }
+  /// Optical depth of a part of a crossing `length` mm long: exact, since a cubic is integrated.
+  HOST_DEVICE float depth_of(const Part& part, float length) const {
+    const float share = part.end - part.begin;
+    const float a = extinction_in(part.piece, cubic_.at(part.begin + kGaussNode * share));
+    const float b = extinction_in(part.piece, cubic_.at(part.end - kGaussNode * share));
+    return 0.5f * length * share * (a + b);
+  }
+
+ private:
+  HOST_DEVICE Part part_up_to_border(const ExactView& exact) {
+    const ExtinctionPiece piece = exact.pieces[piece_];
+    const float from = cubic_.at(at_), to = cubic_.at(leg_end_);
+    const bool rises = to > from;
+    const float border = rises ? piece.end : piece.begin;
+    const bool crossed =
+        rises ? border < to && piece_ + 1 < exact.piece_count : border > to && piece_ > 0;
+    if (crossed) {
+      piece_ += rises ? 1 : -1;
+      return {piece, at_, cubic_.meets(border, at_, from, leg_end_, to)};
+    }
+    const Part rest{piece, at_, leg_end_};
+    leg_end_ = next_turn_;
+    next_turn_ = 1.0f;
+    return rest;
+  }
+
+  ValueCubic cubic_;
+  float at_ = 0.0f, leg_end_ = 1.0f, next_turn_ = 1.0f;
+  std::int32_t piece_;
+};
 
 /// The piece in which all values of a cell lie; false where they span several.
 HOST_DEVICE bool one_piece(const ExactView& exact, CornerRange range, ExtinctionPiece& piece) {
@@ -215,33 +246,6 @@ HOST_DEVICE float depth_in(const ExtinctionPiece& piece, const Corners& corners,
   return depth_between(corners, way, piece, way.t0, way.t1);
 }
 
-/// Optical depth of a crossing of a cell whose values span several pieces.
-HOST_DEVICE_SELDOM float depth_of_parts(Corners corners, Crossing way, const ExactView& exact) {
-  // The ray's own values span less than the cell's: often one piece.
-  const ValueSpan range = ValueCubic(corners, way).hull().range();
-  const ExtinctionPiece piece = exact.pieces[exact.piece_at(range.low)];
-  if (range.high <= piece.end) return depth_in(piece, corners, way);
-  float depth = 0.0f;
-  for_each_part(corners, way, exact, [&](const ExtinctionPiece& p, float ta, float tb) {
-    depth += depth_between(corners, way, p, ta, tb);
-    return true;
-  });
-  return depth;
-}
-
-/// Optical depth of the whole crossing. `Curves`: Feature::kCurves; without, `range` says nothing.
-template <bool Curves>
-HOST_DEVICE float depth_of_cell(const Corners& corners, [[maybe_unused]] CornerRange range,
-                                const Crossing& way, const ExactView& exact) {
-  if constexpr (!Curves) {
-    return depth_in(exact.only, corners, way);
-  } else {
-    ExtinctionPiece piece;
-    if (!one_piece(exact, range, piece)) return depth_of_parts(corners, way, exact);
-    return depth_in(piece, corners, way);
-  }
-}
-
 /// Where the optical depth from way.t0 reaches `target`, which is at most that of the cell.
 template <bool Curves>
 HOST_DEVICE float place_in_cell(const Corners& corners, const Crossing& way, const ExactView& exact,
@@ -249,17 +253,18 @@ HOST_DEVICE float place_in_cell(const Corners& corners, const Crossing& way, con
   if constexpr (!Curves) {
     return invert_depth(corners, way, exact.only, way.t0, way.t1, target);
   } else {
-    float place = way.t1;
-    for_each_part(corners, way, exact, [&](const ExtinctionPiece& p, float ta, float tb) {
-      const float depth = depth_between(corners, way, p, ta, tb);
-      if (depth < target) {
-        target -= depth;
-        return true;
+    const float length = way.t1 - way.t0;
+    PartsWalk parts(corners, way, exact);
+    while (!parts.ended()) {
+      const PartsWalk::Part part = parts.next(exact);
+      const float depth = parts.depth_of(part, length);
+      if (depth >= target) {
+        return invert_depth(corners, way, part.piece, way.t0 + part.begin * length,
+                            way.t0 + part.end * length, target);
       }
-      place = invert_depth(corners, way, p, ta, tb, target);
-      return false;
-    });
-    return place;
+      target -= depth;
+    }
+    return way.t1;
   }
 }
 

@@ -80,20 +80,28 @@ HOST_DEVICE HitTask task_of(const SceneView<Volume>& scene, const CameraRay& cam
   return task;
 }
 
+/// Of Random::fork: no stratum of a hit.
+inline constexpr std::uint32_t kCameraStream = 0xffffffu;
+
+/// Where in its strata a sample looks for hits of a kind, in (0, 1). `own` is forked for the camera
+/// ray; the kinds are asked for in order.
+template <Features F, typename Volume>
+HOST_DEVICE float stratum_offset(const SceneView<Volume>& scene,
+                                 const CameraSample<F, Volume>& sample, int kind, Random& own) {
+  return scene.independent_points
+             ? own.one()
+             : sample.points.pair(Points::kDepth + static_cast<std::uint32_t>(kind)).a;
+}
+
 /// The camera ray's walk of one sample: FirstWalk and its hits (find_hits).
-template <Features F, typename Volume, typename Mark>
+template <Features F, typename Volume, typename Target, typename Mark>
 HOST_DEVICE FirstWalk walk_camera_ray(const SceneView<Volume>& scene,
-                                      const CameraSample<F, Volume>& sample, Mark&& mark) {
-  Random own = sample.random.fork(0xffffffu);
-  const auto offset = [&](int kind) {
-    return scene.independent_points
-               ? own.one()
-               : sample.points.pair(Points::kDepth + static_cast<std::uint32_t>(kind)).a;
-  };
+                                      const CameraSample<F, Volume>& sample, Target&& target,
+                                      float ending, Mark&& mark) {
   const Float3 b = sample.sight.behind;
   const bool behind = b.x > 0.0f || b.y > 0.0f || b.z > 0.0f;
-  return find_hits<F>(sample.camera.ray, sample.sight.span, scene.volume, scene.exact, offset,
-                      own.exponential(), behind, mark);
+  return find_hits<F>(sample.camera.ray, sample.sight.span, scene.volume, scene.exact, target,
+                      ending, behind, mark);
 }
 
 /// One unbiased estimate of the radiance through pixel (x, y) by the exact walk: the first
@@ -112,12 +120,23 @@ HOST_DEVICE SampleOf<F> exact_estimate(const SceneView<Volume>& scene, std::uint
   }
   if (!(sample.sight.span.begin < sample.sight.span.end)) return result;
   Float3 radiance{0.0f, 0.0f, 0.0f};
+  Random own = sample.random.fork(kCameraStream);
+  float offsets[kHitKinds] = {};
+  constexpr KindList kKinds = hit_kinds<F>();
+  for (int k = 0; k < kKinds.count; ++k) {
+    offsets[kKinds.of[k]] = stratum_offset(scene, sample, kKinds.of[k], own);
+  }
   const FirstWalk first = walk_camera_ray<F>(
       scene, sample,
-      [&](int kind, std::int32_t stratum, const Corners& corners, const Crossing& way,
-          float depth) {
-        const float t = place_in_cell<F.has(Feature::kCurves)>(corners, way, scene.exact, depth);
-        const Hit hit{t, corners.at(way.at(t))};
+      [&](int kind, std::int32_t stratum) {
+        return target_depth(stratum, scene.exact.strata[kind], offsets[kind]);
+      },
+      own.exponential(),
+      [&](int kind, std::int32_t stratum, const CellCrossing<Volume>& cell, float depth) {
+        const Corners corners = scene.volume.corners(cell.cell, cell.brick);
+        const float t =
+            place_in_cell<F.has(Feature::kCurves)>(corners, cell.way, scene.exact, depth);
+        const Hit hit{t, corners.at(cell.way.at(t))};
         const HitTask task =
             task_of<F>(scene, sample.camera, sample.points, sample.random, kind, stratum, hit);
         radiance += task.radiance;

@@ -45,73 +45,38 @@ class ExactWalk {
   }
 
   HOST_DEVICE bool ended() const { return !(t_ < last_); }
-  /// Before it has ended: whether the ray is where nothing is, and jump() goes on; else it is at a
-  /// cell.
+  /// Before it has ended: whether the ray is at a cube of empty bricks; else it is at a cell.
   HOST_DEVICE bool in_gap() const { return skip_ != 0; }
 
-  /// Over empty bricks: skip_ of them along each axis in the ray's direction, this one included.
-  HOST_DEVICE void jump(const Volume& volume, const ExactView& exact) {
-    // The last cells of the cube, and where the ray leaves them.
-    const Int3 far{cube_end(cell_.x, direction_.x), cube_end(cell_.y, direction_.y),
-                   cube_end(cell_.z, direction_.z)};
-    const Float3 plane = as_numbers(far) * inverse_ + bias_;
-    t_ = higher_of(t_, lower_of(plane.x, lower_of(plane.y, plane.z)));
-    const Float3 p = origin_ + direction_ * t_;
-    // Along the axis of the border the cell is known exactly. The others come from a rounded
-    // position, which may lie a cell back: never go back, or a ray through a corner would not end.
-    const Exit exit(plane);
-    cell_ = {exit.x ? far.x + sign(direction_.x) : forward(direction_.x, cell_.x, p.x),
-             exit.y ? far.y + sign(direction_.y) : forward(direction_.y, cell_.y, p.y),
-             exit.z ? far.z + sign(direction_.z) : forward(direction_.z, cell_.z, p.z)};
-    enter(volume, exact);
-  }
-
-  /// At a cell: the way through it.
+  /// The way through the cell or cube where the ray is.
   HOST_DEVICE void look(CellCrossing<Volume>& out) const {
-    const Float3 corner = as_numbers(cell_);
+    const Int3 far = far_cell();
     // One rounding each where the processor has a fused multiply-add.
-    out.planes = corner * inverse_ + bias_;
+    out.planes = as_numbers(far) * inverse_ + bias_;
     const float leaves = lower_of(out.planes.x, lower_of(out.planes.y, out.planes.z));
-    out.way = {origin_ - corner, direction_, t_, lower_of(last_, higher_of(t_, leaves))};
+    out.way = {origin_ - as_numbers(cell_), direction_, t_, lower_of(last_, higher_of(t_, leaves))};
     out.cell = cell_;
     out.brick = brick_;
   }
-  /// On to the neighbour of the cell that look() found.
+  /// On to the neighbour of what look() found. Without branches: the rays of a warp leave through
+  /// different sides.
   HOST_DEVICE void pass(const CellCrossing<Volume>& at, const Volume& volume,
                         const ExactView& exact) {
     // Beyond last_ nothing more is looked at.
     t_ = at.way.t1;
-    const Exit exit(at.planes);
-    // No branches: the rays of a warp leave through different sides.
-    const Int3 next{cell_.x + (exit.x ? sign(direction_.x) : 0),
-                    cell_.y + (exit.y ? sign(direction_.y) : 0),
-                    cell_.z + (exit.z ? sign(direction_.z) : 0)};
+    const Int3 far = far_cell();
+    const Float3 p = origin_ + direction_ * t_;
+    const Float3 plane = at.planes;
+    const bool x = plane.x <= plane.y && plane.x <= plane.z, y = !x && plane.y <= plane.z;
+    const Int3 next{x ? far.x + sign(direction_.x) : beside(direction_.x, cell_.x, p.x),
+                    y ? far.y + sign(direction_.y) : beside(direction_.y, cell_.y, p.y),
+                    x || y ? beside(direction_.z, cell_.z, p.z) : far.z + sign(direction_.z)};
     const std::int32_t changed = (next.x ^ cell_.x) | (next.y ^ cell_.y) | (next.z ^ cell_.z);
     cell_ = next;
     if (changed >> kBrickShift != 0) enter(volume, exact);
   }
 
-  /// The next cell where something may be; false when the ray has left.
-  HOST_DEVICE bool next(const Volume& volume, const ExactView& exact, CellCrossing<Volume>& out) {
-    while (!ended()) {
-      if (!in_gap()) {
-        look(out);
-        pass(out, volume, exact);
-        return true;
-      }
-      jump(volume, exact);
-    }
-    return false;
-  }
-
  private:
-  /// Through which side a cell is left, from where its planes are met: one of the three.
-  struct Exit {
-    bool x, y, z;
-    HOST_DEVICE explicit Exit(Float3 plane)
-        : x(plane.x <= plane.y && plane.x <= plane.z), y(!x && plane.y <= plane.z), z(!x && !y) {}
-  };
-
   HOST_DEVICE static float away_from_zero(float d) {
     return fabsf(d) < 1e-20f ? (d < 0.0f ? -1e-20f : 1e-20f) : d;
   }
@@ -124,14 +89,23 @@ class ExactWalk {
   HOST_DEVICE static Float3 as_numbers(Int3 i) {
     return {static_cast<float>(i.x), static_cast<float>(i.y), static_cast<float>(i.z)};
   }
-  HOST_DEVICE std::int32_t cube_end(std::int32_t cell, float direction) const {
-    const std::int32_t brick = cell >> kBrickShift;
-    return direction > 0.0f ? ((brick + skip_) << kBrickShift) - 1
-                            : (brick + 1 - skip_) << kBrickShift;
+  /// The last cells that the ray can meet before it leaves: of a cube, the furthest.
+  HOST_DEVICE Int3 far_cell() const {
+    const bool gap = in_gap();
+    const std::int32_t rest = gap ? kBrickSize - 1 : 0, bricks = gap ? (skip_ - 1) * kBrickSize : 0;
+    const auto along = [rest, bricks](std::int32_t cell, float direction) {
+      return direction > 0.0f ? (cell | rest) + bricks : (cell & ~rest) - bricks;
+    };
+    return {along(cell_.x, direction_.x), along(cell_.y, direction_.y),
+            along(cell_.z, direction_.z)};
   }
-  HOST_DEVICE static std::int32_t forward(float direction, std::int32_t cell, float p) {
+  /// The cell along an axis through whose side the ray did not leave. Of a cube it comes from a
+  /// rounded position, which may lie a cell back: never go back, or a ray through a corner would
+  /// not end.
+  HOST_DEVICE std::int32_t beside(float direction, std::int32_t cell, float p) const {
     const auto there = static_cast<std::int32_t>(floorf(p));
-    return direction > 0.0f ? larger(cell, there) : smaller(cell, there);
+    const std::int32_t on = direction > 0.0f ? larger(cell, there) : smaller(cell, there);
+    return in_gap() ? on : cell;
   }
 
   /// Looks up the brick of cell_, which may be one beyond the volume.
