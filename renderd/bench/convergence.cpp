@@ -1,19 +1,14 @@
 #include "renderd/bench/convergence.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 
+#include "renderd/bench/timing.h"
+
 namespace diaphane::render::bench {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 /// One picture from an empty film.
 struct Shot {
@@ -23,20 +18,6 @@ struct Shot {
   std::uint64_t dropped = 0;
   std::uint64_t non_finite = 0;
 };
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
-}
-
-double deviation(const std::vector<double>& values) {
-  if (values.size() < 2) return 0;
-  double mean = 0, squared = 0;
-  for (const double x : values) mean += x / static_cast<double>(values.size());
-  for (const double x : values) squared += (x - mean) * (x - mean);
-  return std::sqrt(squared / static_cast<double>(values.size() - 1));
-}
 
 double root_mean_square(const std::vector<double>& values) {
   double squared = 0;
@@ -212,19 +193,20 @@ std::optional<double> slope(const Curve& curve, double CurvePoint::*error, std::
   return (n * xy - x * y) / (n * xx - x * x);
 }
 
-std::optional<Crossing> crossing(const Curve& curve, double error) {
+std::optional<Crossing> crossing(const Curve& curve, double error, double CurvePoint::*of) {
   std::vector<CurvePoint> points;
   for (const CurvePoint& point : curve.points) {
-    if (usable(point.rmse)) points.push_back(point);
+    if (usable(point.*of)) points.push_back(point);
   }
-  if (points.size() < 2) return std::nullopt;
-  if (points[0].rmse <= error) {
+  if (points.empty()) return std::nullopt;
+  if (points[0].*of <= error) {
     return Crossing{double{1} * points[0].samples, points[0].milliseconds, Crossing::How::kFirst};
   }
+  if (points.size() < 2) return std::nullopt;
   std::size_t above = 0;
-  while (above + 2 < points.size() && points[above + 1].rmse > error) ++above;
+  while (above + 2 < points.size() && points[above + 1].*of > error) ++above;
   const CurvePoint &a = points[above], &b = points[above + 1];
-  const double t = std::log(a.rmse / error) / std::log(a.rmse / b.rmse);
+  const double t = std::log(a.*of / error) / std::log(a.*of / b.*of);
   if (!(t >= 0) || !std::isfinite(t)) return std::nullopt;  // it does not fall
   const auto between = [t](double from, double to) { return from * std::pow(to / from, t); };
   return Crossing{between(a.samples, b.samples), between(a.milliseconds, b.milliseconds),

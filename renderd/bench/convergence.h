@@ -67,7 +67,9 @@ Result<Convergence> measure_convergence(const Subject& subject, const Convergenc
 /// samples with a finite positive error; nothing with fewer than three.
 std::optional<double> slope(const Curve& curve, double CurvePoint::*error, std::uint32_t from);
 
-/// Nothing when the curve has no two points with an error.
-std::optional<Crossing> crossing(const Curve& curve, double error);
+/// Where the curve's true error (or its estimate) comes to `error`. Nothing where one point is all
+/// there is and lies above it, or where it does not fall.
+std::optional<Crossing> crossing(const Curve& curve, double error,
+                                 double CurvePoint::*of = &CurvePoint::rmse);
 
 }  // namespace diaphane::render::bench

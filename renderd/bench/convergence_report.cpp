@@ -11,40 +11,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* word_of(Walk walk) {
-  switch (walk) {
-    case Walk::kExact:
-      return "exact";
-    case Walk::kTracking:
-      return "tracking";
-    default:
-      return "auto";
-  }
-}
-const char* word_of(Mis mis) {
-  switch (mis) {
-    case Mis::kLight:
-      return "light";
-    case Mis::kScatter:
-      return "scatter";
-    default:
-      return "both";
-  }
-}
 const char* points_of(Method method) {
   return method.low_discrepancy ? "low-discrepancy" : "independent";
 }
-const char* word_of(Crossing::How how) {
-  switch (how) {
-    case Crossing::How::kFirst:
-      return "at the first sample";
-    case Crossing::How::kProlonged:
-      return "prolonged";
-    default:
-      return "between";
-  }
-}
-
 /// JSON has no infinity and no NaN.
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 Json number(std::optional<double> x) { return x ? number(*x) : Json(nullptr); }
@@ -111,6 +80,39 @@ double smallest_rmse(const Convergence& result) {
 }
 
 }  // namespace
+
+const char* word_of(Walk walk) {
+  switch (walk) {
+    case Walk::kExact:
+      return "exact";
+    case Walk::kTracking:
+      return "tracking";
+    default:
+      return "auto";
+  }
+}
+
+const char* word_of(Crossing::How how) {
+  switch (how) {
+    case Crossing::How::kFirst:
+      return "at the first sample";
+    case Crossing::How::kProlonged:
+      return "prolonged";
+    default:
+      return "between";
+  }
+}
+
+const char* word_of(Mis mis) {
+  switch (mis) {
+    case Mis::kLight:
+      return "light";
+    case Mis::kScatter:
+      return "scatter";
+    default:
+      return "both";
+  }
+}
 
 std::string name_of(Method method) {
   std::string name = method.walk == Walk::kExact      ? "exact walk"

@@ -16,6 +16,13 @@ struct ReportHead {
   std::uint32_t slope_from = 32;  ///< samples: below, clipping and sparse contents bend the line
 };
 
+/// "exact", "tracking", "auto".
+const char* word_of(Walk walk);
+/// "light", "scatter", "both".
+const char* word_of(Mis mis);
+/// "between", "at the first sample", "prolonged".
+const char* word_of(Crossing::How how);
+
 /// "exact walk, low-discrepancy points": what a curve is called.
 std::string name_of(Method method);
 

@@ -1,8 +1,9 @@
-// diaphane-renderd-bench: error against run time (convergence), the table of stiff cases
-// (stability), the scheduler's policies (schedule).
+// diaphane-renderd-bench: error against run time (convergence), how cost grows with volume and
+// picture (growth), the table of stiff cases (stability), the scheduler's policies (schedule).
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <fstream>
 #include <iostream>
@@ -11,6 +12,7 @@
 #include "renderd/bench/convergence.h"
 #include "renderd/bench/convergence_report.h"
 #include "renderd/bench/farm.h"
+#include "renderd/bench/growth.h"
 #include "renderd/bench/made_volume.h"
 #include "renderd/bench/schedule/schedule_command.h"
 #include "renderd/bench/stability.h"
@@ -35,6 +37,11 @@ struct Options {
   bench::ConvergenceWish wish;
   bench::ReportHead head;
   bench::StabilityWish stability;
+  bench::GrowthWish growth;
+  std::vector<std::uint32_t> cubes{256, 512, 1024};
+  std::uint32_t canvas_cube = 512;
+  std::vector<std::string> canvases{"640x360", "1280x720", "1920x1080", "3840x2160"}, others;
+  std::vector<std::string> growth_walks{"exact", "tracking"};
 };
 
 int complain(const diaphane::Error& error) {
@@ -60,16 +67,19 @@ Result<render::Canvas> canvas_of(const std::string& text) {
   return canvas;
 }
 
+render::Walk walk_of(const std::string& name) {
+  return name == "exact"      ? render::Walk::kExact
+         : name == "tracking" ? render::Walk::kTracking
+                              : render::Walk::kAuto;
+}
+
 std::vector<render::Method> methods_of(const Options& options) {
   std::vector<render::Method> methods;
   for (const std::string& walk : options.walks) {
     for (const std::string& points : options.points) {
       for (const std::string& mis : options.mis) {
         for (const std::string& roulette : options.roulette)
-          methods.push_back({walk == "exact"      ? render::Walk::kExact
-                             : walk == "tracking" ? render::Walk::kTracking
-                                                  : render::Walk::kAuto,
-                             points == "low-discrepancy",
+          methods.push_back({walk_of(walk), points == "low-discrepancy",
                              mis == "light"     ? render::Mis::kLight
                              : mis == "scatter" ? render::Mis::kScatter
                                                 : render::Mis::kBoth,
@@ -156,6 +166,60 @@ int run_stability(Options& options) {
   return all ? 0 : 1;
 }
 
+/// Cubes at one canvas, and one of them and the volumes named at every canvas.
+Result<std::vector<bench::GrowthSubject>> subjects_of(const Options& options) {
+  auto one = canvas_of(options.size);
+  if (!one) return tl::unexpected(one.error());
+  std::vector<render::Canvas> all;
+  for (const std::string& text : options.canvases) {
+    auto canvas = canvas_of(text);
+    if (!canvas) return tl::unexpected(canvas.error());
+    all.push_back(*canvas);
+  }
+  std::vector<bench::GrowthSubject> subjects;
+  std::vector<std::uint32_t> cubes = options.cubes;
+  if (options.canvas_cube > 0) cubes.push_back(options.canvas_cube);
+  std::sort(cubes.begin(), cubes.end());
+  cubes.erase(std::unique(cubes.begin(), cubes.end()), cubes.end());
+  for (const std::uint32_t n : cubes) {
+    bench::GrowthSubject subject{std::to_string(n) + "^3", [n] { return bench::made_cube(n); }, {}};
+    if (std::count(options.cubes.begin(), options.cubes.end(), n) > 0) subject.canvases = {*one};
+    if (n == options.canvas_cube) {
+      subject.canvases.insert(subject.canvases.end(), all.begin(), all.end());
+    }
+    subjects.push_back(std::move(subject));
+  }
+  for (const std::string& path : options.others) {
+    subjects.push_back({short_name(path), [path] { return bench::named_volume(path); }, all});
+  }
+  return subjects;
+}
+
+int run_growth(Options& options) {
+  auto engine = engine_of(options);
+  if (!engine) return complain(engine.error());
+  auto scene = scene_of(options.scene);
+  if (!scene) return complain(scene.error());
+  auto subjects = subjects_of(options);
+  if (!subjects) return complain(subjects.error());
+  const render::EngineInfo info = (*engine)->info();
+  bench::GrowthWish& wish = options.growth;
+  wish.scene = *scene;
+  wish.walks.clear();
+  for (const std::string& walk : options.growth_walks) wish.walks.push_back(walk_of(walk));
+  wish.each = [](const bench::GrowthRow& row) {
+    std::cout << bench::growth_text(row) << std::flush;
+  };
+  std::cout << short_name(options.scene) << " on " << info.device << "; times in ms, target "
+            << wish.target << " by the estimate; medians of " << wish.repeats << '\n'
+            << bench::growth_heading() << std::flush;
+  const auto rows = bench::measure_growth(**engine, *subjects, wish);
+  if (!rows) return complain(rows.error());
+  const bool all = written(options.json, bench::growth_json(*rows, info, wish)) &&
+                   written(options.csv, bench::growth_csv(*rows, info.engine));
+  return all ? 0 : kFailed;
+}
+
 void add_shared(CLI::App& c, Options& o) {
   c.add_option("--engine", o.engine)->check(CLI::IsMember({"cpu", "cuda"}));
   c.add_option("--threads", o.threads, "of the CPU engine; 0: one a core");
@@ -168,6 +232,28 @@ CLI::App* add_stability(CLI::App& app, Options& o) {
   add_shared(*c, o);
   c->add_flag("--quick", o.stability.quick, "a tenth of the samples");
   c->add_option("--only", o.stability.only, "cases whose name holds this");
+  return c;
+}
+
+CLI::App* add_growth(CLI::App& app, Options& o) {
+  auto* c = app.add_subcommand("growth", "how cost grows with the volume and with the picture");
+  add_shared(*c, o);
+  c->add_option("--scene", o.scene, "scene file (JSON)")->required();
+  c->add_option("--cubes", o.cubes, "voxels along an edge of made volumes, at --size")
+      ->delimiter(',')
+      ->check(CLI::Range(16, 2048));
+  c->add_option("--size", o.size, "picture size in pixels, WxH");
+  c->add_option("--canvas-cube", o.canvas_cube, "made volume for all of --canvases; 0: none")
+      ->check(CLI::Range(0, 2048));
+  c->add_option("--volume", o.others, "further volumes for all of --canvases (repeatable)");
+  c->add_option("--canvases", o.canvases, "picture sizes, with commas")->delimiter(',');
+  c->add_option("--walk", o.growth_walks, "exact, tracking: any, with commas")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"exact", "tracking"}));
+  c->add_option("--repeats", o.growth.repeats)->check(CLI::Range(1, 1000));
+  c->add_option("--target", o.growth.target, "estimated error to which the time is given");
+  c->add_option("--most", o.growth.most, "samples at most")->check(CLI::Range(4, 1 << 20));
+  c->add_option("--seconds", o.growth.seconds, "in each row, about, on the way to the target");
   return c;
 }
 
@@ -218,9 +304,11 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     add_convergence(app, options);
     const auto* stability = add_stability(app, options);
+    const auto* growth = add_growth(app, options);
     bench::ScheduleCommand schedule(app);
     CLI11_PARSE(app, argc, argv);
     if (schedule.chosen()) return schedule.run();
+    if (*growth) return run_growth(options);
     return *stability ? run_stability(options) : run(options);
   } catch (const std::exception& error) {
     std::cerr << "diaphane-renderd-bench: " << error.what() << '\n';

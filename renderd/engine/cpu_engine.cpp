@@ -153,7 +153,10 @@ class CpuFrameRenderer final : public FrameRenderer {
         std::count_if(bounds.begin(), bounds.end(), [](CellBounds b) { return !(b.majorant > 0); });
     report.empty_cells = static_cast<double>(empty) / static_cast<double>(bounds.size());
     report.volume_bytes = volume_->device_bytes();
-    report.acceleration_bytes = bounds.size() * sizeof(CellBounds);
+    const ExactTables& e = s.transfer->exact;
+    report.acceleration_bytes = bounds.size() * sizeof(CellBounds) + e.skips.size() +
+                                e.pieces.size() * sizeof(ExtinctionPiece) +
+                                e.piece_of.size() * sizeof(e.piece_of[0]);
     report.film_bytes = picture_->film.bytes();
     return report;
   }

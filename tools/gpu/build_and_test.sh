@@ -5,7 +5,7 @@
 #   CRANIUM  the scene's volume (tools/gpu/cranium_volume.py); without it nothing is measured
 #   OUT      where logs, pictures and render.json go; default out/
 #   CONFIGURE, TARGETS  further arguments of CMake; what to build instead of everything
-#   STEPS    of "build unit gpu memcheck engine measure convergence stability schedule"; default all but the last three
+#   STEPS    of "build unit gpu memcheck engine measure convergence stability schedule growth"; default the first six
 set -uo pipefail
 cd "$(dirname "$0")/../.."
 OUT=${OUT:-$PWD/out}
@@ -83,5 +83,11 @@ if wants schedule; then
   step schedule-simulated python3 tools/gpu/bench.py "$BUILD" "$OUT/schedule-simulated-results.json" schedule \
     --simulate --costs "$OUT/schedule/costs.json" --out "$OUT/schedule" ${SCHEDULE:-}
 fi
-cat "$OUT"/*.log > "$OUT/all.log" && rm "$OUT"/{configure,build,unit,gpu,memcheck,racecheck,initcheck,engine,convergence,stability,schedule-real,schedule-simulated}.log 2> /dev/null
+# How cost grows: growth-cuda.json and .csv. GROWTH: options of `./diaphane bench growth`.
+if wants growth; then
+  DIAPHANE_CRANIUM=$CRANIUM step growth python3 tools/gpu/bench.py "$BUILD" "$OUT/growth.json" growth --engine cuda \
+    --out "$OUT" ${GROWTH:-}
+  cat "$OUT/growth.log"
+fi
+cat "$OUT"/*.log > "$OUT/all.log" && rm "$OUT"/{configure,build,unit,gpu,memcheck,racecheck,initcheck,engine,convergence,stability,schedule-real,schedule-simulated,growth}.log 2> /dev/null
 exit $failed

@@ -1,0 +1,111 @@
+#include "renderd/bench/growth.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "renderd/bench/made_volume.h"
+#include "renderd/engine/cpu_engine.h"
+#include "renderd/scene/test_scenes.h"
+
+namespace diaphane::render::bench {
+namespace {
+
+GrowthSubject cube(std::uint32_t n, std::vector<Canvas> canvases) {
+  return {std::to_string(n) + "^3", [n] { return made_cube(n); }, std::move(canvases)};
+}
+
+GrowthWish small_wish() {
+  GrowthWish wish;
+  wish.scene = test::skull_scene();
+  wish.repeats = 2;
+  wish.most = 8;
+  wish.seconds = 2;
+  return wish;
+}
+
+TEST(MadeVolume, IsTheSameObjectInACube) {
+  const volume::Volume flat = made_volume(64), tall = made_cube(64);
+  EXPECT_EQ(tall.header.size, (std::array<std::uint32_t, 3>{64, 64, 64}));
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(tall.header.size[i] * tall.header.spacing[i],
+                flat.header.size[i] * flat.header.spacing[i], 1e-9);
+  }
+  // Shares of filled voxels: of 64 x 64 x 27 places, and what the noise of a shell turns over.
+  const auto filled = [](const volume::Volume& v) {
+    double n = 0;
+    for (const std::int16_t voxel : v.voxels) n += voxel != 0;
+    return n / static_cast<double>(v.voxels.size());
+  };
+  EXPECT_NEAR(filled(tall), filled(flat), 0.02);
+}
+
+TEST(Growth, HasARowForEveryVolumeCanvasAndWalkAndAllItsFigures) {
+  const auto engine = make_cpu_engine(1);
+  std::vector<std::string> seen;
+  GrowthWish wish = small_wish();
+  wish.each = [&](const GrowthRow& row) { seen.push_back(growth_text(row)); };
+  const auto rows =
+      measure_growth(*engine, {cube(16, {{16, 16}}), cube(32, {{16, 16}, {32, 24}})}, wish);
+  ASSERT_TRUE(rows) << rows.error().message;
+  ASSERT_EQ(rows->size(), 6u);
+  EXPECT_EQ(seen.size(), 6u);
+  std::set<std::string> lines(seen.begin(), seen.end());
+  EXPECT_EQ(lines.size(), 6u);
+  for (const GrowthRow& row : *rows) {
+    EXPECT_FALSE(row.left_out);
+    EXPECT_GT(row.load, 0);
+    EXPECT_GT(row.prepare, 0);
+    EXPECT_GT(row.edit.median, 0);
+    EXPECT_GT(row.pass.median, 0);
+    EXPECT_GT(row.in_a_row, 0);
+    EXPECT_GE(row.volume_bytes, 2u * row.size[0] * row.size[1] * row.size[2]);
+    EXPECT_GT(row.acceleration_bytes, 0u);
+    EXPECT_GE(row.film_bytes, 40u * row.canvas.width * row.canvas.height);
+    ASSERT_FALSE(row.points.empty());
+    EXPECT_EQ(row.points[0].samples, 2u);
+    for (const CurvePoint& point : row.points) EXPECT_TRUE(std::isfinite(point.estimate));
+  }
+  const std::string csv = growth_csv(*rows, "cpu");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 7);
+  const auto json = nlohmann::json::parse(growth_json(*rows, engine->info(), wish));
+  EXPECT_EQ(json["rows"].size(), 6u);
+}
+
+TEST(Growth, TheWayToTheTargetEndsWhereItIsReached) {
+  const auto engine = make_cpu_engine(1);
+  GrowthWish wish = small_wish();
+  wish.walks = {Walk::kTracking};
+  wish.most = 64;
+  wish.seconds = 1e9;
+  const auto at = [&](double target) {
+    wish.target = target;
+    return measure_growth(*engine, {cube(16, {{16, 16}})}, wish).value().at(0);
+  };
+  const GrowthRow at_once = at(100);
+  EXPECT_EQ(at_once.points.size(), 1u);
+  EXPECT_EQ(at_once.to_target->how, Crossing::How::kFirst);
+  const GrowthRow never = at(1e-6);
+  EXPECT_EQ(never.points.size(), 6u) << "2 to 64 samples";
+  EXPECT_EQ(never.to_target->how, Crossing::How::kProlonged);
+  const double middle = std::sqrt(never.points[2].estimate * never.points[3].estimate);
+  const GrowthRow between = at(middle);
+  EXPECT_EQ(between.points.size(), 4u);
+  EXPECT_GT(between.to_target->samples, 8);
+  EXPECT_LT(between.to_target->samples, 16);
+}
+
+TEST(Growth, ARefusedSceneIsSaidByItsField) {
+  const auto engine = make_cpu_engine(1);
+  GrowthWish wish = small_wish();
+  wish.scene.mutable_transfer_function()->clear_channels();
+  const auto rows = measure_growth(*engine, {cube(16, {{16, 16}})}, wish);
+  ASSERT_FALSE(rows);
+  EXPECT_EQ(rows.error().code, ErrorCode::kInvalid);
+  EXPECT_FALSE(rows.error().field.empty());
+}
+
+}  // namespace
+}  // namespace diaphane::render::bench

@@ -1,0 +1,32 @@
+"""Measurements run as they are called, in their quick form: what they print and write, not how fast it is."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import subprocess
+
+from harness import REPO  # puts tools/ on the path
+from house import paths
+
+
+def bench(*arguments: str) -> subprocess.CompletedProcess:
+    return subprocess.run([str(paths.VENV_PYTHON), str(REPO / "tools" / "house"), "bench", *arguments], text=True,
+                          capture_output=True, env={**os.environ, "DIAPHANE_BUILD": str(paths.build_dir())}, timeout=120)
+
+
+def test_growth_has_a_row_for_every_size_and_walk(tmp_path):
+    done = bench("growth", "--quick", "--engine", "cpu", "--out", str(tmp_path), "--json", str(tmp_path / "results.json"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    report = json.loads((tmp_path / "growth-cpu.json").read_text())
+    seen = {(row["volume"], row["width"], row["height"], row["walk"]) for row in report["rows"]}
+    assert seen == {(volume, *canvas, walk) for walk in ("exact", "tracking")
+                    for volume, canvas in (("16^3", (32, 32)), ("32^3", (32, 32)), ("32^3", (32, 18)), ("32^3", (64, 36)))}
+    lines = list(csv.DictReader((tmp_path / "growth-cpu.csv").open()))
+    assert len(lines) == len(report["rows"])
+    for line in lines:
+        for figure in ("pass_ms", "pass_in_a_row_ms", "load_ms", "prepare_ms", "edit_ms", "volume_bytes", "film_bytes"):
+            assert float(line[figure]) > 0, (figure, line)
+    assert any("power of the voxels" in r["name"] for r in json.loads((tmp_path / "results.json").read_text())["results"])
+    assert "32 x 32 x 32" in done.stdout
