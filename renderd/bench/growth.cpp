@@ -72,7 +72,7 @@ Result<void> measure_points(FrameRenderer& renderer, const GrowthWish& wish, Gro
       const auto shot = shoot(renderer, wish.scene, row.canvas, n);
       if (!shot) return tl::unexpected(shot.error());
       runs.push_back(*shot);
-    } while (runs.size() < wish.repeats && seconds_since(begin) < wish.seconds);
+    } while (runs.size() < wish.repeats && seconds_since(begin) < wish.seconds / 4);
     point.milliseconds = median(runs);
     point.milliseconds_spread = deviation(runs);
     point.estimate = renderer.progress().error;

@@ -50,7 +50,8 @@ struct GrowthWish {
   std::uint32_t repeats = 5;
   double target = 0.05;       ///< estimated error to which the time is given
   std::uint32_t most = 1024;  ///< samples of the last point at most
-  double seconds = 30;        ///< after so long in one row's points no further one is begun
+  /// After so long in one row's points no further one is begun; after a quarter none is repeated.
+  double seconds = 30;
   std::function<void(const GrowthRow&)> each;  ///< as soon as it is measured
 };
 

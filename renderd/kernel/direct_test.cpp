@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "renderd/kernel/medium.h"
+#include "renderd/kernel/test_lights.h"
 #include "renderd/math/test_statistics.h"
 
 namespace diaphane::render {
@@ -17,25 +18,6 @@ namespace {
 
 constexpr double kAlpha = 1e-4;
 constexpr int kSamples = 400'000;
-
-AreaLight flat(Float3 corner, Float3 u, Float3 v, Float3 radiance) {
-  AreaLight light{};
-  light.corner = corner;
-  light.u = u;
-  light.v = v;
-  light.normal = normalize(cross(u, v));
-  light.area = length(cross(u, v));
-  light.radiance = radiance;
-  light.texture = kNoTexture;
-  return light;
-}
-
-AreaLight ball(Float3 centre, float radius, Float3 radiance) {
-  AreaLight light = flat(centre, {radius, 0, 0}, {0, radius, 0}, radiance);
-  light.shape = LightShape::kSphere;
-  light.area = kPi * radius * radius;
-  return light;
-}
 
 /// A rectangle, a disk, a sphere with a texture, an environment with a bright spot.
 struct Lights {
@@ -46,12 +28,9 @@ struct Lights {
   EnvironmentMap map{};
 
   Lights() {
-    area.push_back(flat({-10, -20, 30}, {0, 30, 0}, {20, 5, -3}, {2, 3, 5}));
-    area.push_back(flat({25, 0, -20}, {0, 12, 0}, {0, 0, 12}, {6, 4, 1}));
-    area.back().shape = LightShape::kDisk;
-    area.back().normal = {-1, 0, 0};
-    area.back().area = kPi * 144;
-    area.push_back(ball({-12, 14, -9}, 8, {1, 2, 4}));
+    area.push_back(test::rectangle({-10, -20, 30}, {0, 30, 0}, {20, 5, -3}));
+    area.push_back(test::disk({25, 0, -20}, {-1, 0, 0}, 12, {6, 4, 1}));
+    area.push_back(test::sphere({-12, 14, -9}, 8, {1, 2, 4}));
     area.back().texture = 0;
     const float shares[] = {0.5f, 0.2f, 0.3f};
     float sum = 0;

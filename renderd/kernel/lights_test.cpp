@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "renderd/kernel/test_lights.h"
 #include "renderd/math/random.h"
 #include "renderd/math/test_statistics.h"
 
@@ -20,34 +21,9 @@ constexpr Features kPlain{};
 constexpr Features kShaped = Features{}.with(Feature::kShapedLights);
 constexpr Features kTextured = kShaped.with(Feature::kTexturedLights);
 
-AreaLight rectangle(Float3 corner, Float3 u, Float3 v) {
-  AreaLight light{};
-  light.corner = corner;
-  light.u = u;
-  light.v = v;
-  light.normal = normalize(cross(u, v));
-  light.area = length(cross(u, v));
-  light.radiance = {2, 3, 5};
-  light.probability = light.cumulative = 1;
-  light.texture = kNoTexture;
-  return light;
-}
-
-AreaLight disk(Float3 centre, Float3 normal, float radius) {
-  Float3 s, t;
-  basis_around(normalize(normal), s, t);
-  AreaLight light = rectangle(centre, s * radius, t * radius);
-  light.shape = LightShape::kDisk;
-  light.normal = normalize(normal);
-  light.area = radius > 0 ? kPi * radius * radius : 1.0f;
-  return light;
-}
-
-AreaLight sphere(Float3 centre, float radius) {
-  AreaLight light = disk(centre, {0, 0, 1}, radius);
-  light.shape = LightShape::kSphere;
-  return light;
-}
+using test::disk;
+using test::rectangle;
+using test::sphere;
 
 template <Features F>
 LightSample sampled(const AreaLight& light, Float3 place, float u, float v) {

@@ -71,33 +71,46 @@ struct ChiSquare {
 };
 
 /// Of counts against the probabilities of their bins, which add up to 1 together with that of
-/// falling into none. Bins that expect fewer than 20 are joined with the next. A count where the
+/// falling into none. Bins that expect fewer than 20 are joined with the next, the last ones with
+/// the one before: the statistic has its distribution only where all expect some. A count where the
 /// probability is 0 fits nothing.
 inline ChiSquare chi_square(std::span<const std::uint64_t> counts,
                             std::span<const double> probabilities, double samples) {
-  ChiSquare chi;
-  double seen = 0, expected = 0, all_seen = 0, all_expected = 0;
-  const auto close = [&chi](double s, double e) {
-    chi.value += e > 0 ? (s - e) * (s - e) / e : (s > 0 ? 1e9 : 0.0);
-    chi.dof += 1;
+  constexpr double kFewest = 20;
+  struct Bin {
+    double seen = 0, expected = 0;
   };
+  ChiSquare chi;
+  std::vector<Bin> bins;
+  Bin open;
+  double all_seen = 0, all_expected = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const auto n = static_cast<double>(counts[i]);
     if (!(probabilities[i] > 0) && n > 0) chi.value += 1e9;
-    seen += n;
-    expected += probabilities[i] * samples;
+    open.seen += n;
+    open.expected += probabilities[i] * samples;
     all_seen += n;
     all_expected += probabilities[i] * samples;
-    if (expected < 20) continue;
-    close(seen, expected);
-    seen = expected = 0;
+    if (open.expected < kFewest) continue;
+    bins.push_back(open);
+    open = {};
   }
-  if (expected > 1e-3 || seen > 0) close(seen, expected);
-  const double rest = samples - all_expected;
-  if (rest > 1) {
-    close(samples - all_seen, rest);
+  const auto join = [&bins](Bin last) {
+    if (last.expected >= kFewest || bins.empty()) {
+      bins.push_back(last);
+    } else {
+      bins.back().seen += last.seen;
+      bins.back().expected += last.expected;
+    }
+  };
+  join(open);
+  if (samples - all_expected > 1) join({samples - all_seen, samples - all_expected});
+  for (const Bin& bin : bins) {
+    if (bin.expected > 0) {
+      chi.value += (bin.seen - bin.expected) * (bin.seen - bin.expected) / bin.expected;
+    }
   }
-  chi.dof -= 1;
+  chi.dof = static_cast<double>(bins.size()) - 1;
   return chi;
 }
 

@@ -1,0 +1,75 @@
+// The tests' own statistics: a support that refuses too much or too little makes every test that
+// stands on it worthless.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+#include "renderd/math/random.h"
+#include "renderd/math/test_statistics.h"
+
+namespace diaphane::render::test {
+namespace {
+
+/// How many of `trials` samplings of the bins' true probabilities do not fit at `alpha`.
+int refused(const std::vector<double>& probabilities, int samples, int trials, double alpha) {
+  Random random(11, 0, 0);
+  int out = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    std::vector<std::uint64_t> counts(probabilities.size());
+    for (int i = 0; i < samples; ++i) {
+      double u = random.one();
+      for (std::size_t bin = 0; bin < counts.size(); ++bin) {
+        if (u < probabilities[bin]) {
+          ++counts[bin];
+          break;
+        }
+        u -= probabilities[bin];
+      }
+    }
+    out += !chi_square(counts, probabilities, samples).fits(alpha);
+  }
+  return out;
+}
+
+/// 16 bins that expect 37.5 each, and one that expects 0.1: once in ten samplings it has a count,
+/// which alone would add 8 to the statistic. 40 of 4000 are refused by chance, spread 6.3; 4.9 of
+/// those are a significance of 1e-6, and a tenth more is the distribution's own approximation.
+TEST(ChiSquareTest, RefusesTheTruthAsOftenAsItSaysWhereTheLastBinExpectsLittle) {
+  std::vector<double> probabilities(16, (1 - 1.0 / 6000) / 16);
+  probabilities.push_back(1.0 / 6000);
+  const int n = refused(probabilities, 600, 4000, 0.01);
+  EXPECT_LT(n, 40 + 31 + 4);
+  EXPECT_GT(n, 40 - 31 - 4);
+}
+
+/// The same where it is what falls into no bin that is rare.
+TEST(ChiSquareTest, RefusesTheTruthAsOftenAsItSaysWhereFewFallIntoNone) {
+  const std::vector<double> probabilities(16, (1 - 2.0 / 600) / 16);
+  const int n = refused(probabilities, 600, 4000, 0.01);
+  EXPECT_LT(n, 40 + 31 + 4);
+  EXPECT_GT(n, 40 - 31 - 4);
+}
+
+TEST(ChiSquareTest, EveryBinExpectsTwentyAndNoneIsLost) {
+  const std::vector<std::uint64_t> counts{5, 30, 10, 12, 40, 3};
+  const std::vector<double> probabilities{0.05, 0.30, 0.10, 0.12, 0.40, 0.03};
+  const ChiSquare same = chi_square(counts, probabilities, 100);
+  EXPECT_NEAR(same.value, 0, 1e-9);
+  EXPECT_EQ(same.dof, 2) << "35, 22 and 43";
+  // Two more in the last one: it counts with its neighbour.
+  std::vector<std::uint64_t> more = counts;
+  more[5] += 2;
+  more[0] -= 2;
+  EXPECT_NEAR(chi_square(more, probabilities, 100).value, 4.0 / 35 + 4.0 / 43, 1e-9);
+}
+
+TEST(ChiSquareTest, ACountWhereNothingCanFallFitsNothing) {
+  const std::vector<std::uint64_t> counts{500, 499, 1};
+  const std::vector<double> probabilities{0.5, 0.5, 0};
+  EXPECT_FALSE(chi_square(counts, probabilities, 1000).fits(1e-9));
+}
+
+}  // namespace
+}  // namespace diaphane::render::test
