@@ -65,7 +65,7 @@ class CpuDenoiser {
       const Smoothed m = to_be_smoothed(e, 1.0f / input_.white);
       const Guides g = unpack(input_.guides[i]);
       const Steering s =
-          unpack_steering(pack(steering_of(g, takes_part(input_.film, i, input_.samples, g))));
+          unpack(pack(steering_of(g, takes_part(input_.film, i, input_.samples, g))));
       const float smooth[] = {m.mean.x, m.mean.y, m.mean.z, m.deviation};
       for (std::size_t c = 0; c < 4; ++c) raw_[c][i] = smooth[c];
       const float steer[] = {s.takes_part, s.opacity,  s.depth,    0.0f,       s.albedo.x,

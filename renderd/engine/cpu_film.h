@@ -12,7 +12,7 @@
 
 namespace diaphane::render {
 
-/// The accumulated picture in host memory, 56 bytes a pixel, 16 more with guides and 32 more while
+/// The accumulated picture in host memory, 56 bytes a pixel, 6 more with guides and 32 more while
 /// they are recorded; work over it is spread on the pool's threads.
 class CpuFilm {
  public:
@@ -30,7 +30,8 @@ class CpuFilm {
   Canvas size() const { return size_; }
   std::uint64_t bytes() const {
     return samples_.size() * sizeof(Sample) + sum_.size() * sizeof(double) +
-           difference_.size() * sizeof(float) + state_.size() * sizeof(std::uint32_t);
+           difference_.size() * sizeof(float) + state_.size() * sizeof(std::uint32_t) +
+           guide_samples_.size() * sizeof(Guides) + guides_.size() * sizeof(PackedGuides);
   }
   /// Estimated error of the whole picture (film/error.h); kept until the next fold.
   double error() const;

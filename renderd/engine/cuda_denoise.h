@@ -15,7 +15,7 @@ namespace diaphane::render::cuda {
 struct DenoiseBuffers {
   Float4 *raw, *from, *to;  ///< red, green, blue in units of white, and the luminance's deviation
   float *variance, *from_variance, *to_variance;
-  PackedGuides* steering;
+  PackedSteering* steering;
   float* slope;  ///< mm a pixel
   Gain* gains;   ///< one a tile of kGainTile
 };
@@ -29,16 +29,17 @@ struct DenoiseWork {
   DenoiseBuffers buffers;
 };
 
-/// Queues the whole filter and then the blend: radiance times `scale` through the display's curve
+/// Queues the whole filter and then the blend, which reads no more of the buffers than `raw`,
+/// `from`, `steering` and `gains`: radiance times `scale` through the display's curve
 /// into `rgb`, or radiance into `radiance`; the other is null. 3 numbers a pixel.
 cudaError_t denoise(DenoiseWork work, float scale, std::uint8_t* rgb, float* radiance,
                     cudaStream_t stream);
 
-/// Carries denoise() out in memory of its own, which sessions share by taking turns; film and
-/// guides are the session's own.
+/// Carries denoise() out in memory of its own, which sessions share by taking turns, the finished
+/// picture included; film and guides are the session's own.
 class CudaDenoiser {
  public:
-  /// As denoise(); waits for the stream. `work.buffers` is filled in here.
+  /// As denoise(), into memory of the host; waits for the stream. `work.buffers` is filled in here.
   Result<void> run(DenoiseWork work, float scale, std::uint8_t* rgb, float* radiance,
                    cudaStream_t stream);
   /// Of the kernels of the last run(), between two events on the stream; 0: none yet.
@@ -50,7 +51,7 @@ class CudaDenoiser {
   mutable std::mutex mutex_;
   DeviceBuffer<Float4> raw_, from_, to_;
   DeviceBuffer<float> variance_, from_variance_, to_variance_, slope_;
-  DeviceBuffer<PackedGuides> steering_;
+  DeviceBuffer<PackedSteering> steering_;
   DeviceBuffer<Gain> gains_;
   std::optional<Event> begin_, end_;
   float milliseconds_ = 0;

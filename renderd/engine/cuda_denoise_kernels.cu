@@ -50,10 +50,10 @@ __global__ void __launch_bounds__(kBlockX* kBlockY)
   const std::uint64_t below = at.y + 1 < height ? at.pixel + width : at.pixel;
   const std::uint64_t left = at.x > 0 ? at.pixel - 1 : at.pixel;
   const std::uint64_t above = at.y > 0 ? at.pixel - width : at.pixel;
-  const Steering here = unpack_steering(w.buffers.steering[at.pixel]);
+  const Steering here = unpack(w.buffers.steering[at.pixel]);
   // At an edge of the picture the one neighbour stands on both sides.
   const auto depth = [&](std::uint64_t a, std::uint64_t b) {
-    return unpack_steering(w.buffers.steering[a == at.pixel ? b : a]).depth;
+    return unpack(w.buffers.steering[a == at.pixel ? b : a]).depth;
   };
   w.buffers.slope[at.pixel] = slope_of(depth(left, right), here.depth, depth(right, left)) +
                               slope_of(depth(above, below), here.depth, depth(below, above));
@@ -63,7 +63,7 @@ __global__ void __launch_bounds__(kBlockX* kBlockY)
   const auto offer = [&](std::uint64_t other) {
     if (other == at.pixel) return;
     deviation.offer(mine, here, smoothed_of(w.buffers.raw[other]),
-                    unpack_steering(w.buffers.steering[other]), w.voxel);
+                    unpack(w.buffers.steering[other]), w.voxel);
   };
   offer(right);
   offer(below);
@@ -91,7 +91,7 @@ __global__ void __launch_bounds__(kBlockX* kBlockY)
     if (x >= 0 && y >= 0 && x < width && y < height) {
       const std::uint64_t pixel =
           static_cast<std::uint64_t>(x) + std::uint64_t{w.picture.width} * y;
-      count = unpack_steering(w.buffers.steering[pixel]).takes_part;
+      count = unpack(w.buffers.steering[pixel]).takes_part;
       square = count * squared(w.buffers.raw[pixel].w);
     }
     squares[i / kWide][i % kWide] = square;
@@ -115,7 +115,7 @@ __global__ void __launch_bounds__(kBlockX* kBlockY)
                 float* __restrict__ to_variance, std::int32_t stride) {
   const Place at = place_of(w.picture);
   if (!at.inside) return;
-  const Steering here = unpack_steering(w.buffers.steering[at.pixel]);
+  const Steering here = unpack(w.buffers.steering[at.pixel]);
   const Smoothed mine = smoothed_of(from[at.pixel]);
   const float variance = from_variance[at.pixel];
   if (!(here.takes_part > 0.0f)) {  // its picture is the raw one: nothing to find
@@ -142,9 +142,9 @@ __global__ void __launch_bounds__(kBlockX* kBlockY)
       const Smoothed theirs = smoothed_of(from[other]);
       const float distance =
           static_cast<float>(stride) * sqrtf(static_cast<float>(dx * dx + dy * dy));
-      const float weight = tap_weight(mine, variance, trust, here, slope, theirs,
-                                      unpack_steering(w.buffers.steering[other]),
-                                      spline_weight(dx) * spline_weight(dy), distance, w.voxel);
+      const float weight =
+          tap_weight(mine, variance, trust, here, slope, theirs, unpack(w.buffers.steering[other]),
+                     spline_weight(dx) * spline_weight(dy), distance, w.voxel);
       sum += theirs.mean * weight;
       deviation += weight * theirs.deviation;
       variances += weight * weight * from_variance[other];
@@ -167,7 +167,7 @@ __global__ void __launch_bounds__(kGainTile* kGainTile)
   gains[t] = {0.0f, 0.0f};
   if (x < w.picture.width && y < w.picture.height) {
     const std::uint64_t pixel = x + std::uint64_t{w.picture.width} * y;
-    if (unpack_steering(w.buffers.steering[pixel]).takes_part > 0.0f) {
+    if (unpack(w.buffers.steering[pixel]).takes_part > 0.0f) {
       gains[t] = gain_of(smoothed_of(w.buffers.raw[pixel]), smoothed_of(filtered[pixel]));
     }
   }
@@ -189,7 +189,7 @@ __global__ void __launch_bounds__(kBlockX* kBlockY)
   Float3 shown =
       estimate_of(w.picture.film, at.pixel, w.picture.samples.of(static_cast<std::uint32_t>(at.y)))
           .mean;
-  if (unpack_steering(w.buffers.steering[at.pixel]).takes_part > 0.0f) {
+  if (unpack(w.buffers.steering[at.pixel]).takes_part > 0.0f) {
     const GainsView gains{w.buffers.gains, (w.picture.width + kGainTile - 1) / kGainTile,
                           (w.picture.height + kGainTile - 1) / kGainTile};
     const float share =

@@ -136,21 +136,16 @@ Result<DenoiseWork> CudaFilm::denoise_work(float voxel, float fade, cudaStream_t
 
 Result<void> CudaFilm::display_denoised(CudaDenoiser& denoiser, float voxel, float fade,
                                         float scale, std::uint8_t* rgb, cudaStream_t stream) const {
-  DIAPHANE_TRY(allocate(display_, 3 * pixels()));
   const auto work = denoise_work(voxel, fade, stream);
   if (!work) return tl::unexpected(work.error());
-  DIAPHANE_TRY(denoiser.run(*work, scale, display_.data(), nullptr, stream));
-  return download(rgb, display_, 3 * pixels(), stream);
+  return denoiser.run(*work, scale, rgb, nullptr, stream);
 }
 
 Result<void> CudaFilm::radiance_denoised(CudaDenoiser& denoiser, float voxel, float fade,
                                          float* rgb, cudaStream_t stream) const {
-  auto whole = DeviceBuffer<float>::of(3 * pixels());
-  if (!whole) return tl::unexpected(whole.error());
   const auto work = denoise_work(voxel, fade, stream);
   if (!work) return tl::unexpected(work.error());
-  DIAPHANE_TRY(denoiser.run(*work, 1.0f, nullptr, whole->data(), stream));
-  return download(rgb, *whole, 3 * pixels(), stream);
+  return denoiser.run(*work, 1.0f, nullptr, rgb, stream);
 }
 
 Result<void> CudaFilm::contents(std::uint8_t* met, cudaStream_t stream) const {

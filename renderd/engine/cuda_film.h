@@ -12,8 +12,9 @@
 namespace diaphane::render::cuda {
 
 /// The accumulated picture of one canvas on the device: 40 bytes a pixel, 3 more once it was
-/// displayed. Trace kernels add to it directly; after a launch that was the last before a stop the
-/// upper rows have more samples than the lower ones, which every picture and the error allow for.
+/// displayed raw. Trace kernels add to it directly; after a launch that was the last before a stop
+/// the upper rows have more samples than the lower ones, which every picture and the error allow
+/// for.
 class CudaFilm {
  public:
   static Result<CudaFilm> make(Canvas canvas);
@@ -25,7 +26,7 @@ class CudaFilm {
   bool empty() const { return rows_.least() == 0 && rows_.flat(); }
   std::uint64_t device_bytes() const;
 
-  /// Whether guides are kept from the next clear() on: 16 bytes a pixel.
+  /// Whether guides are kept from the next clear() on: 6 bytes a pixel.
   Result<void> keep_guides(bool wanted);
   Result<void> clear(cudaStream_t stream);
   TraceTarget target() const {

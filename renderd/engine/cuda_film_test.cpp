@@ -161,5 +161,24 @@ TEST_F(CudaFilmTest, ASessionAtFullHdTakesAtMost100MegabytesWithItsPicture) {
   EXPECT_LE(hd->device_bytes(), 92'000'000u) << "8 MB are for tables and cell bounds";
 }
 
+TEST_F(CudaFilmTest, ASessionAtFullHdTakesAtMost100MegabytesAlsoWhileItsPicturesAreSmoothed) {
+  auto hd = CudaFilm::make({1920, 1080});
+  ASSERT_TRUE(hd);
+  ASSERT_TRUE(hd->keep_guides(true));
+  ASSERT_TRUE(hd->clear(stream_.get()));
+  hd->done(hd->next(2, 2), 1080);
+  CudaDenoiser denoiser;
+  std::vector<std::uint8_t> picture(3 * hd->pixels());
+  ASSERT_TRUE(hd->error(stream_.get()));
+  ASSERT_TRUE(hd->display_denoised(denoiser, 1, 1, 1, picture.data(), stream_.get()));
+  std::vector<float> radiance(3 * hd->pixels());
+  ASSERT_TRUE(hd->radiance_denoised(denoiser, 1, 1, radiance.data(), stream_.get()));
+  EXPECT_LE(hd->device_bytes(), 96'000'000u) << "4 MB are for tables and cell bounds";
+  // Raw again: what the guides took is more than what the picture takes.
+  ASSERT_TRUE(hd->keep_guides(false));
+  ASSERT_TRUE(hd->display(1, picture.data(), stream_.get()));
+  EXPECT_LE(hd->device_bytes(), 92'000'000u);
+}
+
 }  // namespace
 }  // namespace diaphane::render::cuda

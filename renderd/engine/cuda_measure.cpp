@@ -171,6 +171,12 @@ Json session(Engine& engine, const std::shared_ptr<const DeviceVolume>& volume) 
       times_of(21, [&](int i) { checked(renderer->set_scene(scene_with(101 + i), canvas)); });
   auto scene = scene_with(100);
   checked(renderer->set_scene(scene, canvas));
+  renderer->prepare_denoising(true);
+  checked(renderer->set_scene(scene, canvas));
+  checked(renderer->render(1, [] { return false; }));
+  json["smoothed"] = checked(renderer->display_denoised(picture));
+  json["film_bytes_smoothed"] = renderer->report().film_bytes;
+  renderer->prepare_denoising(false);
   json["camera_whole_set_scene"] = times_of(21, [&](int i) {
     scene.mutable_camera()->mutable_eye()->set_x(i);
     checked(renderer->set_scene(scene, canvas));

@@ -4,6 +4,7 @@
 
 #include "renderd/film/film.h"
 #include "renderd/film/guides.h"
+#include "renderd/math/half.h"
 
 // Smooths the first pictures of an epoch, when they are still noise: an edge-avoiding a-trous
 // filter (Dammertz et al. 2010) that is steered by the guides and by the picture's own variance
@@ -79,14 +80,27 @@ HOST_DEVICE Steering steering_of(const Guides& g, bool takes_part) {
   return s;
 }
 
-/// 16 bytes; what takes no part has a negative opacity. Both engines steer by the packed numbers.
-HOST_DEVICE PackedGuides pack(const Steering& s) {
-  return pack(Guides{s.takes_part > 0.0f ? s.opacity : -1.0f, s.depth, s.albedo, s.normal});
+/// 16 bytes of half floats; what takes no part has a negative opacity. Both engines steer by the
+/// packed numbers.
+struct alignas(16) PackedSteering {
+  std::uint32_t pairs[4];
+};
+HOST_DEVICE PackedSteering pack(const Steering& s) {
+  const auto pair = [](float a, float b) {
+    return static_cast<std::uint32_t>(to_half(a)) | static_cast<std::uint32_t>(to_half(b)) << 16;
+  };
+  return {{pair(s.takes_part > 0.0f ? s.opacity : -1.0f, s.depth), pair(s.albedo.x, s.albedo.y),
+           pair(s.albedo.z, s.normal.x), pair(s.normal.y, s.normal.z)}};
 }
-HOST_DEVICE Steering unpack_steering(const PackedGuides& p) {
-  const Guides g = unpack(p);
-  const bool part = g.opacity >= 0.0f;
-  return {part ? 1.0f : 0.0f, part ? g.opacity : 0.0f, g.depth, g.albedo, g.normal};
+HOST_DEVICE Steering unpack(const PackedSteering& p) {
+  const auto low = [&](int i) { return from_half(static_cast<std::uint16_t>(p.pairs[i])); };
+  const auto high = [&](int i) { return from_half(static_cast<std::uint16_t>(p.pairs[i] >> 16)); };
+  const bool part = low(0) >= 0.0f;
+  return {part ? 1.0f : 0.0f,
+          part ? low(0) : 0.0f,
+          high(0),
+          {low(1), high(1), low(2)},
+          {high(2), low(3), high(3)}};
 }
 
 /// About exp(-x) for x >= 0; 0 from 8 on.

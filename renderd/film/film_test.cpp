@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "renderd/film/error.h"
+#include "renderd/film/guides.h"
 #include "renderd/film/tone.h"
 #include "renderd/math/random.h"
 #include "renderd/math/test_statistics.h"
@@ -199,6 +200,67 @@ TEST(Error, EstimatesWhatADisplayedPictureIsOffBy) {
   EXPECT_TRUE(std::isinf(total_error(tiles, 1)));
   EXPECT_EQ(total_error({}, 10), 0);
 }
+
+/// Guides as along a ray: all but the opacity weighted by it.
+Guides guides_of(Random& random, float opacity) {
+  const Random::Pair a = random.two(), b = random.two(), c = random.two();
+  const Float3 albedo{a.a, a.b, b.a};
+  const Float3 normal = normalize(Float3{c.a - 0.5f, c.b - 0.5f, random.one() - 0.5f});
+  return {opacity, opacity * 2000.0f * b.b, albedo * opacity, normal * opacity};
+}
+
+TEST(Guides, PackedAreWithinHalfAStepOfWhatTheyWere) {
+  Random random(5, 0, 0);
+  for (int i = 0; i < 20'000; ++i) {
+    const Guides g = guides_of(random, i % 3 == 0 ? 1.0f : random.one());
+    const Guides p = unpack(pack(g));
+    const float step = 0.5f + 1e-4f;
+    ASSERT_NEAR(p.opacity, g.opacity, g.opacity < 1.0f / 62 ? 1.0f / 31 : step / 31);
+    ASSERT_NEAR(p.albedo.x, g.albedo.x, step / 31);
+    ASSERT_NEAR(p.albedo.y, g.albedo.y, step / 63);
+    ASSERT_NEAR(p.albedo.z, g.albedo.z, step / 31);
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(p.normal[c], g.normal[c], step / 7);
+    // Where the matter is seen does not depend on how much of it: half floats have 11 bits.
+    ASSERT_NEAR(p.depth / p.opacity, g.depth / g.opacity, 5e-4f * g.depth / g.opacity + 1e-4f);
+    const Guides again = unpack(pack(p));
+    ASSERT_EQ(again.opacity, p.opacity);
+    ASSERT_EQ(again.albedo.y, p.albedo.y);
+    ASSERT_EQ(again.normal.z, p.normal.z);
+  }
+}
+
+TEST(Guides, WhatIsSeenAtAllStaysSeenAndNothingStaysNothing) {
+  EXPECT_GT(unpack(pack({1e-5f, 1e-3f, {}, {}})).opacity, 0);
+  EXPECT_NEAR(unpack(pack({1e-5f, 1e-3f, {}, {}})).depth * 31, 100, 0.1);
+  for (const Guides& none : {unpack(PackedGuides{}), unpack(pack(Guides{}))}) {
+    EXPECT_EQ(none.opacity, 0);
+    EXPECT_EQ(none.depth, 0);
+    EXPECT_EQ(length(none.albedo), 0);
+    EXPECT_EQ(length(none.normal), 0);
+  }
+}
+
+/// Four roundings, each to half a step and then averaged away in part: 1 + 3/4 + 2/4 + 1/4 halves.
+TEST(Guides, TheMeanOfFourSamplesOneByOneIsTheirMean) {
+  Random random(6, 0, 0);
+  for (int i = 0; i < 5'000; ++i) {
+    PackedGuides mean{};
+    Guides sum{};
+    for (std::uint32_t s = 0; s < 4; ++s) {
+      const Guides g = guides_of(random, 1);
+      sum += g;
+      mean = with_samples(mean, s, g, 1);
+    }
+    const Guides got = unpack(mean), exact = sum * 0.25f;
+    ASSERT_NEAR(got.opacity, 1, 1e-6);
+    ASSERT_NEAR(got.albedo.x, exact.albedo.x, 1.26f / 31);
+    ASSERT_NEAR(got.albedo.y, exact.albedo.y, 1.26f / 63);
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(got.normal[c], exact.normal[c], 1.26f / 7);
+    ASSERT_NEAR(got.depth, exact.depth, 2e-3f * exact.depth);
+  }
+}
+
+static_assert(sizeof(PackedGuides) == 6, "a session at 1920 x 1080 has 100 MB");
 
 }  // namespace
 }  // namespace diaphane::render
