@@ -71,7 +71,7 @@ TEST(ExactCell, HasTheDepthOfFineStepsHoweverOftenTheValueTurns) {
   for (int i = 0; i < 6000 && by_turns[2] < 60; ++i) {
     const test::Prepared p(one_cell(random), stepped_scene(2));
     const auto view = p.view();
-    const Corners corners = view.volume.corners({1, 1, 1}, view.volume.brick({0, 0, 0}, 0));
+    const Corners corners = view.volume.corners({1, 1, 1}, {});
     // From side to side: shorter ways turn less.
     const Random::Pair a = random.two(), b = random.two();
     const Float3 from{a.a, a.b, 0.0f}, to{b.a, b.b, 1.0f};
@@ -136,9 +136,9 @@ TEST(TransmittanceWalk, HasBeerAndLambertAsItsMeanBeyondWhereRaysEndByChance) {
   const auto view = thick.scene.view();
   expect_beer_and_lambert(kCertainDepth, [&](float length, Random& random) {
     const auto [ray, span] = Thick::way(length);
-    TransmittanceWalk<kCurved, LinearVolume> walk(ray, span, view.exact, random.exponential());
-    while (walk.step(view.volume, view.exact)) {
-    }
+    TransmittanceWalk<kCurved, LinearVolume> walk(ray, span, view.volume, view.exact,
+                                                  random.exponential());
+    while (!walk.ended()) walk.step(view.volume, view.exact);
     return double{walk.transmittance()};
   });
 }
