@@ -97,10 +97,10 @@ CurvePoint summarise(std::uint32_t samples, const std::vector<Shot>& shots,
     point.dropped += shot.dropped;
     point.non_finite += shot.non_finite;
   }
-  point.milliseconds = median(milliseconds);
-  point.milliseconds_spread = deviation(milliseconds);
+  point.milliseconds = median_of(milliseconds);
+  point.milliseconds_spread = deviation_of(milliseconds);
   point.rmse = without_noise_of(reference, root_mean_square(rmse));
-  point.rmse_spread = deviation(rmse);
+  point.rmse_spread = deviation_of(rmse);
   point.estimate = root_mean_square(estimate);
   return point;
 }

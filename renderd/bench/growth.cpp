@@ -26,7 +26,7 @@ Result<Timing> timed(std::uint32_t repeats, const Call& call) {
     if (!one) return tl::unexpected(one.error());
     runs.push_back(*one);
   }
-  return Timing{median(runs), deviation(runs)};
+  return Timing{median_of(runs), deviation_of(runs)};
 }
 
 /// `samples` from an empty film.
@@ -73,8 +73,8 @@ Result<void> measure_points(FrameRenderer& renderer, const GrowthWish& wish, Gro
       if (!shot) return tl::unexpected(shot.error());
       runs.push_back(*shot);
     } while (runs.size() < wish.repeats && seconds_since(begin) < wish.seconds / 4);
-    point.milliseconds = median(runs);
-    point.milliseconds_spread = deviation(runs);
+    point.milliseconds = median_of(runs);
+    point.milliseconds_spread = deviation_of(runs);
     point.estimate = renderer.progress().error;
     curve.points.push_back(point);
     if (point.estimate <= wish.target) break;

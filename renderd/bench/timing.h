@@ -16,14 +16,14 @@ inline double seconds_since(Clock::time_point begin) {
 }
 
 /// Of at least one value.
-inline double median(std::vector<double> values) {
+inline double median_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t middle = values.size() / 2;
   return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
 }
 
 /// Standard deviation of the values' population; 0 for fewer than two.
-inline double deviation(const std::vector<double>& values) {
+inline double deviation_of(const std::vector<double>& values) {
   if (values.size() < 2) return 0;
   double mean = 0, squared = 0;
   for (const double x : values) mean += x / static_cast<double>(values.size());
