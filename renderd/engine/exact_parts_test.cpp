@@ -65,6 +65,16 @@ double stepped_depth(const TransferView& function, const Corners& corners, const
   return depth * length / kSteps;
 }
 
+/// Of a ray through the one cell, whose lower corner is the middle of the first voxel.
+float walked_depth(const SceneView<LinearVolume>& view, const Crossing& way) {
+  DepthWalk<Features{}.with(Feature::kCurves), LinearVolume> walk(
+      Ray{way.origin + Float3{0.5f, 0.5f, 0.5f}, way.direction}, Span{way.t0, way.t1}, view.volume,
+      view.exact);
+  CellCrossing<LinearVolume> c;
+  while (!walk.ended()) walk.step(view.volume, view.exact, c);
+  return walk.depth();
+}
+
 TEST(ExactCell, HasTheDepthOfFineStepsHoweverOftenTheValueTurns) {
   Random random(21, 0, 0);
   int by_turns[4] = {0, 0, 0, 0};
@@ -80,8 +90,7 @@ TEST(ExactCell, HasTheDepthOfFineStepsHoweverOftenTheValueTurns) {
     const int turns = turns_of(corners, way);
     if (turns < 2 && i % 20 != 0) continue;
     ++by_turns[std::min(turns, 3)];
-    const CornerRange range = view.volume.corner_values({1, 1, 1}, {});
-    const float depth = depth_of_cell<true>(corners, range, way, view.exact);
+    const float depth = walked_depth(view, way);
     ASSERT_NEAR(depth, stepped_depth(view.transfer, corners, way, way.t1), 5e-4) << turns;
     for (const float share : {0.2f, 0.7f, 0.95f}) {
       const float place = place_in_cell<true>(corners, way, view.exact, share * depth);
@@ -153,8 +162,9 @@ TEST(FindHits, LeaveOfWhatIsBehindWhatBeerAndLambertSay) {
   expect_beer_and_lambert(furthest, [&](float length, Random& random) {
     const auto [ray, span] = Thick::way(length);
     const FirstWalk first = find_hits<kCurved>(
-        ray, span, view.volume, view.exact, [](int) { return 0.9f; }, random.exponential(), true,
-        [](auto&&...) {});
+        ray, span, view.volume, view.exact,
+        [](int, std::int32_t stratum) { return target_depth(stratum, 4, 0.9f); },
+        random.exponential(), true, [](auto&&...) {});
     return double{first.transmittance};
   });
 }
