@@ -10,26 +10,24 @@
 
 namespace diaphane::render::cuda {
 
-/// Blocks that fit on a multiprocessor: caps the registers.
-#if !defined(DIAPHANE_LIGHT_BLOCKS)
-#define DIAPHANE_LIGHT_BLOCKS 8
-#endif
+// Numbers found on an H200 (docs/performance.md); DIAPHANE_NVRTC_OPTIONS tries others.
+
 /// So many lanes of a warp must be free before they take new rays together: starting one costs as
 /// much as some cells, and lanes that start at different times would make the others wait each
 /// time.
 #if !defined(DIAPHANE_LIGHT_REFILL)
 #define DIAPHANE_LIGHT_REFILL 8
 #endif
-/// So many must wait at a cell of several pieces of the function until these are gone through
-/// together.
-#if !defined(DIAPHANE_LIGHT_PARTS)
-#define DIAPHANE_LIGHT_PARTS 12
-#endif
 /// Steps between two looks at who is free.
 #if !defined(DIAPHANE_LIGHT_STEPS)
-#define DIAPHANE_LIGHT_STEPS 2
+#define DIAPHANE_LIGHT_STEPS 3
+#endif
+/// Blocks that fit on a multiprocessor: caps the registers.
+#if !defined(DIAPHANE_LIGHT_BLOCKS)
+#define DIAPHANE_LIGHT_BLOCKS(F) ((F).has(Feature::kCurves) ? 6 : 8)
 #endif
 inline constexpr int kLightBlock = 128;  ///< threads
+inline constexpr int kOnwardsBlocks = 8;
 
 /// Rays that wait for a lane; a batch goes on when fewer than 32 are left.
 struct RayStack {
@@ -120,7 +118,7 @@ __device__ __forceinline__ int aim(const SceneView<TextureVolume>& scene, const 
 }
 
 template <std::uint32_t Bits>
-__global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS)
+__global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS(Features{Bits}))
     light_kernel(const __grid_constant__ SceneView<TextureVolume> scene,
                  const __grid_constant__ Stripe stripe,
                  const __grid_constant__ ExactScratch scratch) {
@@ -133,12 +131,12 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS)
   int stacked = 0;
   bool more = true;
   // What a lane waits for.
-  enum Wants : int { kRay, kCell, kPart } wants = kRay;
+  enum Wants : int { kRay, kCell, kNewParts, kPart } wants = kRay;
   std::uint32_t hit = 0;
   TransmittanceWalk<kF, TextureVolume> walk;
   /// After a step.
   const auto go_on = [&] {
-    wants = kCurved && walk.in_parts() ? kPart : kCell;
+    wants = !kCurved || !walk.in_parts() ? kCell : walk.at_new_parts() ? kNewParts : kPart;
     if (!walk.ended()) return;
     const float seen = walk.transmittance();
     HitRecord& record = scratch.hits[hit];
@@ -171,14 +169,24 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS)
       stacked = larger(stacked - free, 0);
       __syncwarp();
     }
+    // What most lanes wait for is done next.
+    Wants now = kCell;
     if constexpr (kCurved) {
-      const int parts = __popc(__ballot_sync(~0u, wants == kPart));
-      if (parts >= DIAPHANE_LIGHT_PARTS || !__any_sync(~0u, wants == kCell)) {
-        if (wants == kPart) {
+      const auto waiting = [&](Wants w) { return __popc(__ballot_sync(~0u, wants == w)); };
+      const int cells = waiting(kCell), fresh = waiting(kNewParts), parts = waiting(kPart);
+      if (fresh > cells && fresh >= parts) now = kNewParts;
+      if (parts > cells && parts > fresh) now = kPart;
+    }
+    if (kCurved && now != kCell) {
+      if (wants == now) {
+        if (now == kNewParts) {
+          walk.begin_parts(scene.volume, scene.exact);
+        } else {
           walk.step_part(scene.volume, scene.exact);
-          go_on();
         }
+        go_on();
       }
+      continue;
     }
 #pragma unroll
     for (int i = 0; i < DIAPHANE_LIGHT_STEPS; ++i) {
@@ -192,7 +200,7 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS)
 
 /// The paths of Feature::kBounces, from their first collision on: a thread a hit.
 template <std::uint32_t Bits>
-__global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS)
+__global__ void __launch_bounds__(kLightBlock, kOnwardsBlocks)
     onwards_kernel(const __grid_constant__ SceneView<TextureVolume> scene,
                    const __grid_constant__ Stripe stripe,
                    const __grid_constant__ ExactScratch scratch) {

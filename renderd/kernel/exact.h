@@ -42,13 +42,19 @@ class DepthWalk {
 
   /// One step, until it has ended; true when it finished the cell `c`.
   HOST_DEVICE bool step(const Volume& volume, const ExactView& exact, CellCrossing<Volume>& c) {
-    return in_parts() ? step_part(volume, exact, c) : step_cell(volume, exact, c);
+    if (!in_parts()) return step_cell(volume, exact, c);
+    if (at_new_parts()) begin_parts(volume, exact);
+    return step_part(volume, exact, c);
   }
 
-  // The same in two, so that a GPU can gather rays that wait for the same: whether a cell whose
+  // The same in three, so that a GPU can gather rays that wait for the same: whether a cell whose
   // values lie in several pieces of the function is under way, which costs much.
   HOST_DEVICE bool in_parts() const {
     if constexpr (kCurved) return parts_.state != Parts::kNone;
+    return false;
+  }
+  HOST_DEVICE bool at_new_parts() const {
+    if constexpr (kCurved) return parts_.state == Parts::kNew;
     return false;
   }
   /// Across a cell, over empty bricks or up to a cell of several pieces.
@@ -69,14 +75,19 @@ class DepthWalk {
     walk_.pass(c, volume, exact);
     return !gap;
   }
+  /// Before the first of them.
+  HOST_DEVICE void begin_parts(const Volume& volume, const ExactView& exact) {
+    if constexpr (kCurved) {
+      CellCrossing<Volume> c;
+      walk_.look(c);
+      parts_.walk = PartsWalk(volume.corners(c.cell, c.brick), c.way, exact);
+      parts_.state = Parts::kUnderWay;
+    }
+  }
   HOST_DEVICE bool step_part(const Volume& volume, const ExactView& exact,
                              CellCrossing<Volume>& c) {
     if constexpr (kCurved) {
       walk_.look(c);
-      if (parts_.state == Parts::kNew) {
-        parts_.walk = PartsWalk(volume.corners(c.cell, c.brick), c.way, exact);
-        parts_.state = Parts::kUnderWay;
-      }
       const PartsWalk::Part part = parts_.walk.next(exact);
       depth_ += parts_.walk.depth_of(part, c.way.t1 - c.way.t0);
       if (!parts_.walk.ended()) return false;
@@ -110,7 +121,12 @@ class TransmittanceWalk {
       : walk_(ray, span, volume, exact), dark_(kCertainDepth + ending) {}
 
   HOST_DEVICE bool ended() const { return walk_.ended() || walk_.depth() >= dark_; }
+  // As DepthWalk's.
   HOST_DEVICE bool in_parts() const { return walk_.in_parts(); }
+  HOST_DEVICE bool at_new_parts() const { return walk_.at_new_parts(); }
+  HOST_DEVICE void begin_parts(const Volume& volume, const ExactView& exact) {
+    walk_.begin_parts(volume, exact);
+  }
   HOST_DEVICE void step(const Volume& volume, const ExactView& exact) {
     CellCrossing<Volume> c;
     walk_.step(volume, exact, c);
@@ -175,6 +191,17 @@ HOST_DEVICE constexpr KindList hit_kinds() {
   return list;
 }
 
+/// On a GPU one of two kinds of rays of a warp waits, the fewer: whether this one, of the kind
+/// `one`, goes on.
+HOST_DEVICE bool has_turn([[maybe_unused]] bool one) {
+#if defined(__CUDA_ARCH__)
+  const unsigned here = __activemask();
+  return one == (2 * __popc(__ballot_sync(here, one)) > __popc(here));
+#else
+  return true;
+#endif
+}
+
 /// Collisions of the camera ray in each stratum: `mark(kind, stratum, cell, depth)` is called for
 /// those that there are, in order, with the crossing that holds it and the optical depth from there
 /// to the collision (place_in_cell finds where that is). `target(kind, stratum)` is target_depth.
@@ -199,6 +226,7 @@ HOST_DEVICE FirstWalk find_hits(const Ray& ray, Span span, const Volume& volume,
   CellCrossing<Volume> c;
   float before = 0.0f;
   while (!walk.ended()) {
+    if (F.has(Feature::kCurves) && !has_turn(walk.in_parts())) continue;
     if (!walk.step(volume, exact, c)) continue;
     while (nearest < walk.depth()) {
       // One piece of code for all kinds: on a GPU few rays of a warp are here at a time.
