@@ -1,6 +1,7 @@
 #include "renderd/bench/growth.h"
 
 #include <algorithm>
+#include <ctime>
 
 #include "renderd/bench/made_volume.h"
 #include "renderd/bench/timing.h"
@@ -103,10 +104,19 @@ Result<void> measure_row(Engine& engine, const std::shared_ptr<const DeviceVolum
   if (auto warm = shoot(renderer, wish.scene, row.canvas, 1); !warm) {
     return tl::unexpected(warm.error());
   }
-  const auto pass = timed(
-      wish.repeats, [&](std::uint32_t) { return shoot(renderer, wish.scene, row.canvas, 1); });
+  std::vector<double> processors;
+  const auto pass = timed(wish.repeats, [&](std::uint32_t) {
+    if (auto set = renderer.set_scene(wish.scene, row.canvas); !set) {
+      return Result<double>(tl::unexpected(set.error()));
+    }
+    const std::clock_t before = std::clock();
+    auto one = timed([&] { return renderer.render(1, kOnAndOn); });
+    processors.push_back(1e3 * static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC);
+    return one;
+  });
   if (!pass) return tl::unexpected(pass.error());
   row.pass = *pass;
+  row.processors = median_of(processors);
   if (auto points = measure_points(renderer, wish, row); !points) return points;
   const KernelReport report = renderer.report();
   row.volume_bytes = report.volume_bytes;

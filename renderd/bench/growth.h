@@ -38,7 +38,8 @@ struct GrowthRow {
   double prepare = 0;  ///< ms: the first scene on it, every structure made, kernels compiled before
   Timing edit;         ///< set_scene with another transfer function
   Timing pass;         ///< one sample a pixel from an empty film, by a call of its own
-  double in_a_row = 0;                ///< ms a pass in the last of `points`
+  double processors = 0;  ///< ms of all processors together in a pass, median: on a busy machine
+  double in_a_row = 0;    ///< ms a pass in the last of `points`
   std::vector<CurvePoint> points;     ///< 2, 4, 8 ... samples; only estimate and milliseconds
   std::optional<Crossing> to_target;  ///< by the estimate; kFirst: two samples have less
   std::uint64_t volume_bytes = 0, acceleration_bytes = 0, film_bytes = 0;  ///< as the engine says

@@ -40,6 +40,7 @@ Json json_of(const GrowthRow& row) {
   json["prepare_ms"] = row.prepare;
   json["edit_ms"] = json_of(row.edit);
   json["pass_ms"] = json_of(row.pass);
+  json["pass_processor_ms"] = row.processors;
   json["pass_in_a_row_ms"] = row.in_a_row;
   json["to_target"] = nullptr;
   if (row.to_target) {
@@ -71,9 +72,9 @@ std::string to_target_of(const GrowthRow& row) {
 }  // namespace
 
 std::string growth_heading() {
-  return in_words("%-12s %-15s %-10s %-9s %10s %8s %10s %14s %8s %9s %9s %9s %12s\n", "volume",
-                  "voxels", "canvas", "walk", "ms a pass", "+-", "in a row", "to the target",
-                  "samples", "load", "prepare", "edit", "memory");
+  return in_words("%-12s %-15s %-10s %-9s %10s %8s %10s %10s %14s %8s %9s %9s %9s %12s\n", "volume",
+                  "voxels", "canvas", "walk", "ms a pass", "+-", "processors", "in a row",
+                  "to the target", "samples", "load", "prepare", "edit", "memory");
 }
 
 std::string growth_text(const GrowthRow& row) {
@@ -82,22 +83,24 @@ std::string growth_text(const GrowthRow& row) {
   std::string text = in_words("%-12s %-15s %-10s %-9s ", row.volume.c_str(), voxels.c_str(),
                               canvas.c_str(), word_of(row.walk));
   if (row.left_out) return text + "left out: " + *row.left_out + '\n';
-  return text + in_words("%10.4g %8.2g %10.4g %14s %8.3g %9.4g %9.4g %9.4g %9.1f MB\n",
-                         row.pass.median, row.pass.spread, row.in_a_row, to_target_of(row).c_str(),
-                         row.to_target ? row.to_target->samples : NAN, row.load, row.prepare,
-                         row.edit.median, megabytes(row));
+  return text + in_words("%10.4g %8.2g %10.4g %10.4g %14s %8.3g %9.4g %9.4g %9.4g %9.1f MB\n",
+                         row.pass.median, row.pass.spread, row.processors, row.in_a_row,
+                         to_target_of(row).c_str(), row.to_target ? row.to_target->samples : NAN,
+                         row.load, row.prepare, row.edit.median, megabytes(row));
 }
 
 std::string growth_csv(const std::vector<GrowthRow>& rows, const std::string& engine) {
   std::string text =
-      "engine,volume,nx,ny,nz,width,height,walk,pass_ms,pass_ms_spread,pass_in_a_row_ms,"
-      "to_target_ms,to_target_samples,load_ms,prepare_ms,edit_ms,edit_ms_spread,volume_bytes,"
+      "engine,volume,nx,ny,nz,width,height,walk,pass_ms,pass_ms_spread,"
+      "pass_processor_ms,pass_in_a_row_ms,to_target_ms,to_target_samples,load_ms,prepare_ms,edit_"
+      "ms,edit_ms_spread,volume_bytes,"
       "acceleration_bytes,film_bytes\n";
   for (const GrowthRow& row : rows) {
     if (row.left_out) continue;
-    text += in_words("%s,%s,%u,%u,%u,%u,%u,%s,%.6g,%.3g,%.6g,", engine.c_str(), row.volume.c_str(),
-                     row.size[0], row.size[1], row.size[2], row.canvas.width, row.canvas.height,
-                     word_of(row.walk), row.pass.median, row.pass.spread, row.in_a_row);
+    text +=
+        in_words("%s,%s,%u,%u,%u,%u,%u,%s,%.6g,%.3g,%.6g,%.6g,", engine.c_str(), row.volume.c_str(),
+                 row.size[0], row.size[1], row.size[2], row.canvas.width, row.canvas.height,
+                 word_of(row.walk), row.pass.median, row.pass.spread, row.processors, row.in_a_row);
     text += row.to_target
                 ? in_words("%.6g,%.4g,", row.to_target->milliseconds, row.to_target->samples)
                 : ",,";

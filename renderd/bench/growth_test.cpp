@@ -61,6 +61,8 @@ TEST(Growth, HasARowForEveryVolumeCanvasAndWalkAndAllItsFigures) {
     EXPECT_GT(row.edit.median, 0);
     EXPECT_GT(row.pass.median, 0);
     EXPECT_GT(row.in_a_row, 0);
+    EXPECT_GT(row.processors, 0);
+    EXPECT_LT(row.processors, 2 * row.pass.median + 2) << "one thread";
     EXPECT_GE(row.volume_bytes, 2u * row.size[0] * row.size[1] * row.size[2]);
     EXPECT_GT(row.acceleration_bytes, 0u);
     EXPECT_GE(row.film_bytes, 40u * row.canvas.width * row.canvas.height);
