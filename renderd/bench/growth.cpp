@@ -84,6 +84,10 @@ Result<void> measure_points(FrameRenderer& renderer, const GrowthWish& wish, Gro
   row.points = curve.points;
   row.in_a_row = row.points.back().milliseconds / row.points.back().samples;
   row.to_target = crossing(curve, wish.target, &CurvePoint::estimate);
+  // Two times, of which one was disturbed, say little of a third.
+  if (row.to_target && row.to_target->how == Crossing::How::kProlonged) {
+    row.to_target->milliseconds = row.to_target->samples * row.in_a_row;
+  }
   return {};
 }
 

@@ -92,6 +92,7 @@ TEST(Growth, TheWayToTheTargetEndsWhereItIsReached) {
   const GrowthRow never = at(1e-6);
   EXPECT_EQ(never.points.size(), 6u) << "2 to 64 samples";
   EXPECT_EQ(never.to_target->how, Crossing::How::kProlonged);
+  EXPECT_DOUBLE_EQ(never.to_target->milliseconds, never.to_target->samples * never.in_a_row);
   const double middle = std::sqrt(never.points[2].estimate * never.points[3].estimate);
   const GrowthRow between = at(middle);
   EXPECT_EQ(between.points.size(), 4u);
