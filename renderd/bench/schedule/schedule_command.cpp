@@ -211,16 +211,16 @@ Result<Trace> ScheduleCommand::trace_of(const std::string& kind, std::size_t ses
 void ScheduleCommand::measure_fleet(ScheduleReport& report) const {
   const Options& o = *options_;
   const std::size_t devices = std::max<std::size_t>(o.fleet_devices, 1);
+  constexpr unsigned kMostSeeds = 3;  // a minute each
   for (const std::string& kind : o.traces) {
-    const Trace trace = make_trace(kind, o.fleet_sessions, o.seconds, o.seed);
     for (const Placement placement : kPlacements) {
-      report.fleet.push_back(
-          {o.fleet_sessions,
-           devices,
-           kind,
-           placement,
-           {simulate_fleet(trace, devices, report.model, PolicyKind::kMarginalGain, placement,
-                           {.target_error = o.target})}});
+      FleetRow row{o.fleet_sessions, devices, kind, placement, {}};
+      for (unsigned i = 0; i < std::min(o.seeds, kMostSeeds); ++i) {
+        const Trace trace = make_trace(kind, o.fleet_sessions, o.seconds, o.seed + i);
+        row.runs.push_back(simulate_fleet(trace, devices, report.model, PolicyKind::kMarginalGain,
+                                          placement, {.target_error = o.target}));
+      }
+      report.fleet.push_back(std::move(row));
     }
   }
 }
