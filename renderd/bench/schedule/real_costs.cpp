@@ -1,19 +1,13 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "renderd/bench/schedule/real_run.h"
+#include "renderd/bench/timing.h"
 
 namespace diaphane::render::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 const auto kNever = [] { return false; };
-
-double since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// Median seconds of some calls; the error of the first that fails.
 template <typename Call>
@@ -22,9 +16,9 @@ Result<double> timed(int times, Call call) {
   for (int i = 0; i < times; ++i) {
     const auto start = Clock::now();
     if (const auto done = call(i); !done) return tl::unexpected(done.error());
-    seconds.push_back(since(start));
+    seconds.push_back(seconds_since(start));
   }
-  return quantile(std::move(seconds), 0.5);
+  return median_of(std::move(seconds));
 }
 
 v1::Scene turned(v1::Scene scene, int step) {
@@ -57,14 +51,14 @@ Result<SceneCost> scene_cost(FrameRenderer& renderer, const v1::Scene& scene, Ca
 
 }  // namespace
 
-Canvas Stage::canvas(Canvas viewport) const {
-  const auto scaled = [this](std::uint32_t side) {
-    return std::max(16U, static_cast<std::uint32_t>(std::lround(side * scale / 2)) * 2);
+Canvas scaled(Canvas viewport, double scale) {
+  const auto side = [scale](std::uint32_t length) {
+    return std::max(16U, static_cast<std::uint32_t>(std::lround(length * scale / 2)) * 2);
   };
-  return {scaled(viewport.width), scaled(viewport.height)};
+  return {side(viewport.width), side(viewport.height)};
 }
 
-Result<DeviceModel> measure_costs(const Stage& stage) {
+Result<DeviceModel> measure_costs(const Stage& stage, double scale) {
   DeviceModel model;
   model.name = stage.engine.info().device;
   model.parallel = stage.engine.info().parallel;
@@ -73,7 +67,7 @@ Result<DeviceModel> measure_costs(const Stage& stage) {
   if (!renderer) return tl::unexpected(renderer.error());
   FrameRenderer& r = **renderer;
   r.prepare_denoising(true);
-  const Canvas large = stage.canvas({512, 512}), small = stage.canvas({256, 256});
+  const Canvas large = scaled({512, 512}, scale), small = scaled({256, 256}, scale);
   for (const auto& [name, scene] : stage.scenes) {
     const auto cost = scene_cost(r, scene, large);
     if (!cost) return tl::unexpected(cost.error());

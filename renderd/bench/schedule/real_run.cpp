@@ -99,7 +99,7 @@ Result<TraceRun> run_real(const Trace& trace, const Stage& stage, const DeviceMo
   std::vector<SessionScore> scores;
   std::vector<std::unique_ptr<FrameRenderer>> renderers;
   for (const TraceSession& session : trace.sessions) {
-    scores.emplace_back(model.to_good(session.scene, stage.canvas(session.viewport)));
+    scores.emplace_back(model.to_good(session.scene, session.viewport));
     // Beforehand: opening a session is not what is measured.
     auto renderer = stage.engine.renderer(stage.volume, renderers.size() + 1, 0, kLiveMethod);
     if (!renderer) return tl::unexpected(renderer.error());
@@ -118,9 +118,8 @@ Result<TraceRun> run_real(const Trace& trace, const Stage& stage, const DeviceMo
     const TraceSession& session = trace.sessions[event.session];
     Seat& seat = seats[event.session];
     if (event.kind == Kind::kArrive) {
-      seat.viewer =
-          std::make_shared<Viewer>(stage.scenes.at(session.scene), stage.canvas(session.viewport),
-                                   scores[event.session], start);
+      seat.viewer = std::make_shared<Viewer>(stage.scenes.at(session.scene), session.viewport,
+                                             scores[event.session], start);
       seat.viewer->input(event.at, true);
       seat.handle = runner.add(seat.viewer, std::move(renderers[event.session]), 0);
       continue;

@@ -8,19 +8,20 @@
 
 namespace diaphane::render::bench {
 
+/// A trace's viewport for a slow device: even sides, 16 pixels at least.
+Canvas scaled(Canvas viewport, double scale);
+
 /// A device and what is rendered on it.
 struct Stage {
   Engine& engine;
   std::shared_ptr<const DeviceVolume> volume;
   std::map<std::string, v1::Scene> scenes;  ///< of kTraceScenes
-  double scale = 1;                         ///< of the traces' viewports, for slow devices
   LedgerRules rules;
-
-  Canvas canvas(Canvas viewport) const;
 };
 
-/// What it costs: some seconds of rendering. Also compiles every kernel that the traces need.
-Result<DeviceModel> measure_costs(const Stage& stage);
+/// What it costs, on viewports of that scale: some seconds of rendering. Also compiles every kernel
+/// that the traces need.
+Result<DeviceModel> measure_costs(const Stage& stage, double scale);
 
 /// A trace in real time: the runner and the renderers of `renderd`, with viewers that take every
 /// picture at once. Coding and sending are left out. A gesture's inputs turn the camera.

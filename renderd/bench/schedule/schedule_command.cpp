@@ -128,8 +128,8 @@ Result<void> ScheduleCommand::open(Device& device) const {
   auto loaded = device.engine->load(*volume);
   if (!loaded) return tl::unexpected(loaded.error());
   device.volume = std::move(*loaded);
-  device.stage = std::make_unique<Stage>(
-      Stage{*device.engine, device.volume, {}, o.scale, {.target_error = o.target}});
+  device.stage =
+      std::make_unique<Stage>(Stage{*device.engine, device.volume, {}, {.target_error = o.target}});
   for (const char* name : kTraceScenes) {
     auto text = read_text(o.scenes + "/" + name + ".json", "--scenes");
     if (!text) return tl::unexpected(text.error());
@@ -137,7 +137,7 @@ Result<void> ScheduleCommand::open(Device& device) const {
     if (!scene) return tl::unexpected(scene.error());
     device.stage->scenes[name] = std::move(*scene);
   }
-  auto model = measure_costs(*device.stage);
+  auto model = measure_costs(*device.stage, o.scale);
   if (!model) return tl::unexpected(model.error());
   device.model = std::move(*model);
   return {};
@@ -198,6 +198,9 @@ Result<Trace> ScheduleCommand::trace_of(const std::string& kind, std::size_t ses
     return trace_of_json(*text);
   }
   Trace trace = make_trace(kind, sessions, o.seconds, o.seed + number);
+  for (TraceSession& session : trace.sessions) {
+    if (o.scale != 1) session.viewport = scaled(session.viewport, o.scale);
+  }
   if (!o.write_traces.empty()) {
     const std::string name =
         kind + "-" + std::to_string(sessions) + "-" + std::to_string(o.seed + number) + ".json";

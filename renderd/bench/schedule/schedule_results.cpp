@@ -1,14 +1,13 @@
 #include "renderd/bench/schedule/schedule_results.h"
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <random>
+
+#include "renderd/bench/timing.h"
 
 namespace diaphane::render::bench {
 namespace {
@@ -41,7 +40,7 @@ Json json_of(const std::vector<Scores>& runs) {
   for (const Column& column : schedule_columns()) {
     const auto values = figures(runs, column);
     json[column.name] = {
-        {"value", median(values)}, {"spread", deviation(values)}, {"unit", column.unit}};
+        {"value", median_of(values)}, {"spread", deviation_of(values)}, {"unit", column.unit}};
   }
   return json;
 }
@@ -90,17 +89,6 @@ const std::vector<Column>& schedule_columns() {
   return columns;
 }
 
-double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
-
-double deviation(const std::vector<double>& values) {
-  if (values.size() < 2) return 0;
-  const auto n = static_cast<double>(values.size());
-  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
-  double squares = 0;
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  return std::sqrt(squares / (n - 1));
-}
-
 std::string schedule_text(const ScheduleReport& report) {
   std::string text;
   print(text,
@@ -117,8 +105,8 @@ std::string schedule_text(const ScheduleReport& report) {
           std::string(policy_name(row.policy)).c_str());
     for (const Column& column : schedule_columns()) {
       const auto values = figures(row.runs, column);
-      print(text, " %10.4g", median(values));
-      if (&column == &schedule_columns().front()) print(text, " %8.2g", deviation(values));
+      print(text, " %10.4g", median_of(values));
+      if (&column == &schedule_columns().front()) print(text, " %8.2g", deviation_of(values));
     }
     text += '\n';
   }
@@ -131,9 +119,9 @@ std::string schedule_text(const ScheduleReport& report) {
     const auto& columns = schedule_columns();
     print(text, "%-12s %6zu %7zu %-14s %12.4g %8.2g %12.4g %11.4g %7.3f %5zu..%zu\n",
           row.trace.c_str(), row.sessions, row.devices,
-          std::string(placement_name(row.placement)).c_str(), median(figures(runs, columns[0])),
-          deviation(figures(runs, columns[0])), median(figures(runs, columns[1])),
-          median(figures(runs, columns[7])), row.runs.front().load_deviation,
+          std::string(placement_name(row.placement)).c_str(), median_of(figures(runs, columns[0])),
+          deviation_of(figures(runs, columns[0])), median_of(figures(runs, columns[1])),
+          median_of(figures(runs, columns[7])), row.runs.front().load_deviation,
           row.runs.front().fewest, row.runs.front().most);
   }
   if (!report.decisions.empty()) text += '\n';
@@ -141,7 +129,8 @@ std::string schedule_text(const ScheduleReport& report) {
     std::vector<double> us = each.seconds;
     for (double& value : us) value *= 1e6;
     print(text, "a decision of %-18s at %4zu sessions: %6.2f +- %.2f us\n",
-          std::string(policy_name(each.policy)).c_str(), each.sessions, median(us), deviation(us));
+          std::string(policy_name(each.policy)).c_str(), each.sessions, median_of(us),
+          deviation_of(us));
   }
   return text;
 }
@@ -156,7 +145,7 @@ std::string schedule_csv(const ScheduleReport& report) {
     text += report.how + ",\"" + report.device + "\"," + head;
     for (const Column& column : schedule_columns()) {
       const auto values = figures(runs, column);
-      print(text, ",%.6g,%.3g", median(values), deviation(values));
+      print(text, ",%.6g,%.3g", median_of(values), deviation_of(values));
     }
     text += '\n';
   };
@@ -205,14 +194,13 @@ std::string schedule_json(const ScheduleReport& report) {
   for (const DecisionTime& each : report.decisions) {
     json["decisions"].push_back({{"policy", policy_name(each.policy)},
                                  {"sessions", each.sessions},
-                                 {"seconds", median(each.seconds)},
-                                 {"spread", deviation(each.seconds)}});
+                                 {"seconds", median_of(each.seconds)},
+                                 {"spread", deviation_of(each.seconds)}});
   }
   return json.dump(1) + "\n";
 }
 
 DecisionTime measure_decision(PolicyKind policy, std::size_t sessions, unsigned repetitions) {
-  using Clock = std::chrono::steady_clock;
   constexpr int kDecisions = 2000;
   std::mt19937_64 random(1);
   DecisionTime time{policy, sessions, {}};
@@ -222,7 +210,7 @@ DecisionTime measure_decision(PolicyKind policy, std::size_t sessions, unsigned 
     std::size_t quanta = 0;
     const auto start = Clock::now();
     for (int n = 0; n < kDecisions; ++n) quanta += asked->next(views).size();
-    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    const double seconds = seconds_since(start);
     // The first is to warm up; asking for the count keeps the answers from being thought needless.
     if (i > 0 && quanta > 0) time.seconds.push_back(seconds / kDecisions);
   }

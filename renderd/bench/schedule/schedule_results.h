@@ -49,10 +49,6 @@ struct Column {
 };
 const std::vector<Column>& schedule_columns();
 
-/// Median over the runs, and standard deviation.
-double median(std::vector<double> values);
-double deviation(const std::vector<double>& values);
-
 std::string schedule_text(const ScheduleReport& report);
 std::string schedule_csv(const ScheduleReport& report);
 std::string schedule_json(const ScheduleReport& report);

@@ -18,8 +18,8 @@ NO_DEVICE = 69
 SCENES = paths.REPO / "tests" / "scenes"
 BASELINE, THESIS, OURS = "round-robin", "error-proportional", "marginal-gain"
 
-# A quarter of a viewport's side on two cores is to them what a whole one is to a GPU with many sessions.
-REAL_SIZES = {"cpu": 0.125, "cuda": 1.0}
+# A sixteenth of a viewport's side takes two cores a millisecond a sample: what a whole one takes a GPU, about.
+REAL_SIZES = {"cpu": 0.0625, "cuda": 1.0}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -33,7 +33,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--costs", default="h200", help="of the simulated device: h200, cpu2 or a file that --real wrote")
     parser.add_argument("--fleet", default="10000:1000", metavar="N:M", help="simulate N sessions on M devices; empty: none")
     parser.add_argument("--engine", choices=("cpu", "cuda"), default="cpu", help="of the real renderer")
-    parser.add_argument("--scale", type=float, help="of the viewports, for slow devices (default: cpu 0.125, cuda 1)")
+    parser.add_argument("--scale", type=float, help="of the viewports, for slow devices (default: real on the cpu 1/16, else 1)")
     parser.add_argument("--volume", help="directory of the volume store or made:N (default: the cranium)")
     parser.add_argument("--out", type=Path, default=paths.REPO / "out" / "schedule", help="JSON, CSV and figure-9.svg go there")
 
@@ -69,7 +69,7 @@ def _simulated(quick: bool, options: argparse.Namespace) -> list[str]:
     if options.fleet and not quick:
         sessions, _, devices = options.fleet.partition(":")
         words += ["--fleet-sessions", sessions, "--fleet-devices", devices or "1"]
-    return [*words, "--costs", options.costs]
+    return [*words, "--costs", options.costs, "--scale", str(options.scale or 1.0)]
 
 
 def _real(quick: bool, options: argparse.Namespace) -> list[str]:
