@@ -63,7 +63,9 @@ class CpuFrameRenderer final : public FrameRenderer {
         volume_(std::move(volume)),
         seed_(seed),
         first_sample_(first_sample),
-        method_(method) {}
+        method_(method) {
+    if (method_.walk == Walk::kSoonest) method_.walk = Walk::kTracking;
+  }
 
   Result<void> set_scene(const diaphane::v1::Scene& scene, Canvas canvas) override {
     auto prepared = prepare_scene(scene, canvas, volume_->header(), volume_->grid(),

@@ -36,7 +36,7 @@ class CudaEngine : public Engine {
     auto ours = std::dynamic_pointer_cast<const cuda::CudaVolume>(std::move(volume));
     if (!ours) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
     // The exact walk's bricks and nodes are a fifth of a volume and up to twice as much.
-    if (lean_memory_ && method.walk == Walk::kAuto) method.walk = Walk::kTracking;
+    if (lean_memory_ && method.walk != Walk::kExact) method.walk = Walk::kTracking;
     return cuda::CudaRenderer::make(std::move(ours), shares_, seed, first_sample, method);
   }
 

@@ -115,7 +115,7 @@ TEST_F(CudaEngineTest, ANewSceneStartsAfreshAndAsIfItWereTheFirst) {
   other.mutable_lights()->DeleteSubrange(0, 2);
   other.mutable_phase()->set_g(0);
   ASSERT_TRUE(render_all(*used, other, {33, 21}, 8));
-  EXPECT_EQ(used->features(), std::vector<std::string>{"environment"});
+  EXPECT_EQ(used->features(), (std::vector<std::string>{"environment", "curves"}));
   ASSERT_TRUE(render_all(*used, full_scene(), kCanvas, 24));
   EXPECT_EQ(radiance_of(*used), rendered(24));
 }
@@ -166,6 +166,23 @@ TEST_F(CudaEngineTest, WhatDoesNotFitIsRefusedAndHarmsNothing) {
   ASSERT_TRUE(one->render(8, [] { return false; }));
   EXPECT_EQ(one->progress().samples, 24u);
   EXPECT_TRUE(engine_->load(constant_volume(512, 7)));
+}
+
+TEST_F(CudaEngineTest, WithLittleMemoryAPictureTakesMoreLaunchesAndHasTheSameBits) {
+  // The working memory of the exact walk for 640 x 480 would be 92 MB.
+  const Canvas canvas{640, 480};
+  std::vector<float> tight;
+  {
+    auto one = renderer(volume_);
+    ASSERT_TRUE(render_all(*one, full_scene(), {8, 8}, 1)) << "its kernels are loaded";
+    const FullDevice full(48u << 20);
+    const auto done = render_all(*one, full_scene(), canvas, 3);
+    ASSERT_TRUE(done) << done.error().message;
+    tight = radiance_of(*one);
+  }
+  auto other = renderer(volume_);
+  ASSERT_TRUE(render_all(*other, full_scene(), canvas, 3));
+  EXPECT_EQ(tight, radiance_of(*other));
 }
 
 TEST_F(CudaEngineTest, BeerLambertHolds) {

@@ -92,8 +92,10 @@ const void* onwards_of(std::size_t index, std::index_sequence<I...>) {
 }
 constexpr std::make_index_sequence<kVariantCount> kAll;
 
-/// Guides are the gather kernel's.
-std::size_t index_for(Features needed) { return variant_for(needed.without(Feature::kGuides)); }
+/// Guides are the gather kernel's: only the general kernel, which has everything, has them too.
+std::size_t index_for(Features needed) {
+  return variant_for(needed == kAllFeatures ? needed : needed.without(Feature::kGuides));
+}
 
 KernelTemplate::Instance camera_ahead(Features needed) {
   const std::size_t i = index_for(needed);

@@ -14,7 +14,8 @@ namespace diaphane::render::cuda {
 namespace {
 
 /// What an engine may launch; a kernel that is added belongs here.
-const KernelTemplate* const kKernels[] = {&kTraceKernel, &kExactCamera, &kExactLight, &kExactOnwards};
+const KernelTemplate* const kKernels[] = {&kTraceKernel, &kExactCamera, &kExactLight,
+                                          &kExactOnwards};
 
 class NvrtcTest : public ::testing::Test {
  protected:

@@ -6,7 +6,8 @@ namespace diaphane::render {
 
 /// How free flights and transmittances are found.
 enum class Walk : std::uint8_t {
-  kAuto,      ///< the CPU: the exact walk wherever it applies; CUDA: tracking (docs/performance.md)
+  kAuto,      ///< what reaches an error first: the exact walk wherever it applies
+  kSoonest,   ///< what shows a picture first: on the CPU tracking, on CUDA as kAuto
   kExact,     ///< the exact walk; refused where it does not apply
   kTracking,  ///< delta and residual ratio tracking everywhere: the reference
 };
@@ -29,8 +30,9 @@ struct Method {
   bool operator==(const Method&) const = default;
 };
 
-/// For pictures that somebody turns: a sample by tracking comes ten times sooner than one by the
-/// exact walk, though that needs a fraction of the time to the same error.
-inline constexpr Method kLiveMethod{.walk = Walk::kTracking};
+/// For pictures that somebody turns. On the CPU a sample by tracking comes ten times sooner than
+/// one by the exact walk, though that needs a fraction of the time to the same error; on a GPU even
+/// that one comes within some milliseconds.
+inline constexpr Method kLiveMethod{.walk = Walk::kSoonest};
 
 }  // namespace diaphane::render
