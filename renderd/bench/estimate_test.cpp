@@ -10,21 +10,24 @@
 namespace diaphane::render::bench {
 namespace {
 
+Convergence measure(const v1::Scene& scene, ConvergenceWish wish) {
+  const auto engine = make_cpu_engine(0);
+  const volume::Volume volume = test::skull_volume();
+  wish.warm_up = 0;
+  wish.reference_share = 0.2;
+  wish.reference_seconds = 1e9;
+  return measure_convergence({engine.get(), engine->load(volume).value(), 0, scene, {32, 32}}, wish)
+      .value();
+}
+
 /// Both kinds of points on the skull, by tracking.
 const Convergence& measured() {
   static const Convergence result = [] {
-    const auto engine = make_cpu_engine(0);
-    const volume::Volume volume = test::skull_volume();
     ConvergenceWish wish;
     wish.methods = {{Walk::kTracking, false}, {Walk::kTracking, true}};
     wish.most = 256;
     wish.repeats = 8;
-    wish.warm_up = 0;
-    wish.reference_share = 0.2;
-    wish.reference_seconds = 1e9;
-    return measure_convergence(
-               {engine.get(), engine->load(volume).value(), 0, test::skull_scene(), {32, 32}}, wish)
-        .value();
+    return measure(test::skull_scene(), wish);
   }();
   return result;
 }
@@ -41,6 +44,26 @@ TEST(Estimate, IsWithinATenthOfTheTruthPast64SamplesForBothKindsOfPoints) {
           << (curve.method.low_discrepancy ? "low-discrepancy, " : "independent, ")
           << point.samples;
     }
+  }
+}
+
+/// Where matter scatters strongly forward, again and again, a few samples are tens of times as
+/// bright as white, and the display cuts them off. Over 32 pictures the ratio is known to about 1%,
+/// and it is 0.92 at 64 samples and 0.97 at 128. Half the difference of the halves as displayed,
+/// without the bias of the display curve and with white as the noisy picture has it, gives 0.85 and
+/// 0.91.
+TEST(Estimate, IsWithinATenthOfTheTruthAlsoWhereTheDisplayCutsOffBrightSamples) {
+  v1::Scene scene = test::skull_scene();
+  scene.mutable_phase()->set_g(0.8);
+  scene.set_bounces(32);
+  ConvergenceWish wish;
+  wish.methods = {{Walk::kTracking, false}};
+  wish.most = 128;
+  wish.repeats = 32;
+  const Convergence result = measure(scene, wish);
+  for (const CurvePoint& point : result.curves[0].points) {
+    if (point.samples < 64) continue;
+    EXPECT_NEAR(point.estimate / point.rmse, 1, 0.1) << point.samples;
   }
 }
 

@@ -108,7 +108,7 @@ float CpuFilm::white() const {
         std::min(first + std::uint64_t{size_.width} * kRows, std::uint64_t{pixels_of(size_)});
     count_white(view(), first, last, count_, part);
     std::lock_guard lock(mutex);
-    for (std::uint32_t bin = 0; bin < kWhiteBins; ++bin) total.counts[bin] += part.counts[bin];
+    for (std::uint32_t i = 0; i < kWhiteCounts; ++i) total.counts[i] += part.counts[i];
   });
   return white_from_histogram(total);
 }

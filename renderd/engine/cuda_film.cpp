@@ -84,11 +84,11 @@ Result<std::uint64_t> CudaFilm::dropped(cudaStream_t stream) const {
 }
 
 Result<float> CudaFilm::white(const FilmPicture& film, cudaStream_t stream) const {
-  DIAPHANE_TRY(allocate(counts_, kWhiteBins));
+  DIAPHANE_TRY(allocate(counts_, kWhiteCounts));
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(counts_.data(), 0, counts_.bytes(), stream));
   DIAPHANE_CUDA_TRY(white_histogram(film, counts_.data(), stream));
   WhiteHistogram histogram;
-  DIAPHANE_TRY(download(histogram.counts, counts_, kWhiteBins, stream));
+  DIAPHANE_TRY(download(histogram.counts, counts_, kWhiteCounts, stream));
   return white_from_histogram(histogram);
 }
 

@@ -73,7 +73,7 @@ class CudaFilm {
   DeviceBuffer<PackedGuides> guides_;
   // Made when first needed; no part of what the film is.
   mutable DeviceBuffer<std::uint64_t> by_stripe_;
-  mutable DeviceBuffer<std::uint64_t> counts_;  ///< kWhiteBins
+  mutable DeviceBuffer<std::uint64_t> counts_;  ///< kWhiteCounts
   mutable DeviceBuffer<TileError> tiles_;
   mutable DeviceBuffer<std::uint8_t> display_;  ///< 3 a pixel
 };

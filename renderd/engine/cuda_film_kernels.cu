@@ -23,20 +23,20 @@ __device__ PixelEstimate estimate_at(const FilmPicture& p, std::uint64_t pixel) 
 }
 
 __global__ void histogram_kernel(FilmPicture p, std::uint64_t* counts) {
-  __shared__ std::uint32_t mine[kWhiteBins];
-  for (std::uint32_t i = threadIdx.x; i < kWhiteBins; i += blockDim.x) mine[i] = 0;
+  __shared__ std::uint32_t mine[kWhiteCounts];
+  for (std::uint32_t i = threadIdx.x; i < kWhiteCounts; i += blockDim.x) mine[i] = 0;
   __syncthreads();
   const std::uint64_t pixels = std::uint64_t{p.width} * p.height;
   const std::uint64_t stride = std::uint64_t{gridDim.x} * blockDim.x;
   for (std::uint64_t pixel = thread_index(); pixel < pixels; pixel += stride) {
     const PixelEstimate e = estimate_at(p, pixel);
     if (!e.met_matter) continue;
-    atomicAdd(&mine[white_bin(e.mean.x)], 1u);
-    atomicAdd(&mine[white_bin(e.mean.y)], 1u);
-    atomicAdd(&mine[white_bin(e.mean.z)], 1u);
+    const WhiteEntries entries = white_entries(e, pixel);
+#pragma unroll
+    for (int i = 0; i < 6; ++i) atomicAdd(&mine[entries.of[i]], 1u);
   }
   __syncthreads();
-  for (std::uint32_t i = threadIdx.x; i < kWhiteBins; i += blockDim.x) {
+  for (std::uint32_t i = threadIdx.x; i < kWhiteCounts; i += blockDim.x) {
     if (mine[i] != 0) add(&counts[i], mine[i]);
   }
 }

@@ -31,8 +31,8 @@ struct FilmPicture {
   RowSamples samples;
 };
 
-/// Adds the colours of the pixels that met matter to the kWhiteBins `counts`, which the
-/// caller has cleared.
+/// Adds the colours of the pixels that met matter to the kWhiteCounts `counts` of a
+/// WhiteHistogram, which the caller has cleared.
 cudaError_t white_histogram(const FilmPicture& picture, std::uint64_t* counts, cudaStream_t stream);
 
 /// One entry a tile of kTileSize, rows from the top.

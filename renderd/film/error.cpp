@@ -6,20 +6,37 @@
 
 namespace diaphane::render {
 
-float white_from_histogram(const WhiteHistogram& histogram) {
+namespace {
+
+/// The value below which 99% of kWhiteBins counts lie, evenly spread within its bin; 0 when there
+/// are none or all are black.
+float percentile(const std::uint64_t* counts) {
   std::uint64_t total = 0;
-  for (std::uint64_t n : histogram.counts) total += n;
-  std::uint64_t below = 0;
+  for (std::uint32_t bin = 0; bin < kWhiteBins; ++bin) total += counts[bin];
+  const double wanted = 0.99 * static_cast<double>(total);
+  double below = 0;
   for (std::uint32_t bin = 0; bin < kWhiteBins; ++bin) {
-    below += histogram.counts[bin];
-    if (below > 0 && static_cast<double>(below) >= 0.99 * static_cast<double>(total)) {
-      if (bin == 0) break;
-      // The middle of the bin: 16 equal steps within an octave.
-      return std::ldexp(1.0f + (static_cast<float>(bin % 16) + 0.5f) / 16.0f,
+    const double here = static_cast<double>(counts[bin]);
+    if (here > 0 && below + here >= wanted) {
+      if (bin == 0) return 0.0f;
+      // 16 equal steps within an octave.
+      const float part = static_cast<float>((wanted - below) / here);
+      return std::ldexp(1.0f + (static_cast<float>(bin % 16) + part) / 16.0f,
                         static_cast<int>(bin / 16) - 32);
     }
+    below += here;
   }
-  return 1.0f;
+  return 0.0f;
+}
+
+}  // namespace
+
+float white_from_histogram(const WhiteHistogram& histogram) {
+  const float mean = percentile(histogram.counts);
+  const float half = percentile(histogram.counts + kWhiteBins);
+  if (!(mean > 0.0f)) return 1.0f;
+  // What is more than twice is no small step, from which a further one could be told.
+  return mean / std::clamp(half / mean, 0.5f, 2.0f);
 }
 
 double total_error(const std::vector<TileError>& tiles, std::uint64_t samples) {
@@ -37,10 +54,8 @@ void count_white(const ConstFilmView& film, std::uint64_t first, std::uint64_t l
                  std::uint64_t samples, WhiteHistogram& histogram) {
   for (std::uint64_t pixel = first; pixel < last; ++pixel) {
     if ((film.state[pixel] & kMetMatter) == 0) continue;
-    const Float3 mean = estimate_of(film, pixel, samples).mean;
-    ++histogram.counts[white_bin(mean.x)];
-    ++histogram.counts[white_bin(mean.y)];
-    ++histogram.counts[white_bin(mean.z)];
+    const WhiteEntries entries = white_entries(estimate_of(film, pixel, samples), pixel);
+    for (const std::uint32_t i : entries.of) ++histogram.counts[i];
   }
 }
 

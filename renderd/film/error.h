@@ -16,8 +16,16 @@
 // screen.
 //
 // Estimate: with m the mean of n samples and d the scaled half difference of its two independent
-// halves (film.h: E[d^2] = Var[m]), (tone(m + d) - tone(m - d)) / 2 stands for tone(m) -
-// tone(truth).
+// halves (film.h: E[d^2] = Var[m]), the steps from tone(m) to tone(m + d) and to tone(m - d) stand
+// for the one to tone(truth): the mean of their squares. That is
+//   ((tone(m + d) - tone(m - d)) / 2)^2 + ((tone(m + d) + tone(m - d)) / 2 - tone(m))^2,
+// half the variance of a displayed half, and beside it the square of the jackknife's bias: curve
+// and clipping make noisy values too dark. Without the second term the estimate is up to a half
+// too low where single samples are far brighter than white.
+//
+// White: noise spreads the values, and so their percentile is too high, the more the fewer samples.
+// The halves have twice the variance; what their percentile is above that of the mean, the mean's
+// is above the truth's: the square of the one over the other.
 
 namespace diaphane::render {
 
@@ -36,21 +44,38 @@ HOST_DEVICE std::uint32_t white_bin(float radiance) {
   return (b.u >> 19) - ((127u - 32u) << 4);
 }
 
+/// Of the pixels' means, and of one half of each: of one pixel the even samples', of the next the
+/// odd ones'.
+inline constexpr std::uint32_t kWhiteCounts = 2 * kWhiteBins;
+
 struct WhiteHistogram {
-  std::uint64_t counts[kWhiteBins] = {};
+  std::uint64_t counts[kWhiteCounts] = {};  ///< the means' bins, then the halves'
 };
+
+/// The counts of WhiteHistogram that a pixel which met contents adds one to, each.
+struct WhiteEntries {
+  std::uint32_t of[6];
+};
+HOST_DEVICE WhiteEntries white_entries(const PixelEstimate& e, std::uint64_t pixel) {
+  const Float3 half = (pixel & 1) != 0 ? e.mean - e.deviation : e.mean + e.deviation;
+  return {{white_bin(e.mean.x), white_bin(e.mean.y), white_bin(e.mean.z),
+           kWhiteBins + white_bin(half.x), kWhiteBins + white_bin(half.y),
+           kWhiteBins + white_bin(half.z)}};
+}
 
 /// Adds the pixels [first, last) that met contents, each with its three colours.
 void count_white(const ConstFilmView& film, std::uint64_t first, std::uint64_t last,
                  std::uint64_t samples, WhiteHistogram& histogram);
 
-/// The value below which 99% of the counts lie; 1 when there are none or all are black.
+/// The value below which 99% of the pixels' colours would lie without noise; 1 when there are none
+/// or all are black.
 float white_from_histogram(const WhiteHistogram& histogram);
 
 HOST_DEVICE float squared_error(float mean, float deviation, float inverse_white) {
-  const float difference =
-      0.5f * (tone((mean + deviation) * inverse_white) - tone((mean - deviation) * inverse_white));
-  return difference * difference;
+  const float at = tone(mean * inverse_white);
+  const float up = tone((mean + deviation) * inverse_white) - at;
+  const float down = at - tone((mean - deviation) * inverse_white);
+  return 0.5f * (up * up + down * down);
 }
 /// Of one pixel, summed over the colours; divide by 3 for the mean.
 HOST_DEVICE float squared_error(const PixelEstimate& e, float inverse_white) {
