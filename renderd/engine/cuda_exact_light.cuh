@@ -18,9 +18,9 @@ namespace diaphane::render::cuda {
 #if !defined(DIAPHANE_LIGHT_REFILL)
 #define DIAPHANE_LIGHT_REFILL 8
 #endif
-/// Steps between two looks at who is free.
+/// Steps between two looks at what the lanes wait for.
 #if !defined(DIAPHANE_LIGHT_STEPS)
-#define DIAPHANE_LIGHT_STEPS 3
+#define DIAPHANE_LIGHT_STEPS(F) ((F).has(Feature::kCurves) ? 1 : 3)
 #endif
 /// Blocks that fit on a multiprocessor: caps the registers.
 #if !defined(DIAPHANE_LIGHT_BLOCKS)
@@ -98,7 +98,7 @@ __device__ __forceinline__ int aim(const SceneView<TextureVolume>& scene, const 
         task_of_record<F.without(Feature::kBounces)>(scene, stripe, scratch.items, record, false);
     walks = task.lit && task.span.begin < task.span.end;
     if (!task.lit) task.weight = {0.0f, 0.0f, 0.0f};
-    if constexpr (F.has(Feature::kEmission)) {
+    if (F.has(Feature::kEmission) && scratch.glow != nullptr) {
       scratch.glow[index] = {task.radiance.x, task.radiance.y, task.radiance.z, 0.0f};
     }
     record.a = task.weight.x;
@@ -189,7 +189,7 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS(Features{Bi
       continue;
     }
 #pragma unroll
-    for (int i = 0; i < DIAPHANE_LIGHT_STEPS; ++i) {
+    for (int i = 0; i < DIAPHANE_LIGHT_STEPS(kF); ++i) {
       if (wants == kCell) {
         walk.step_cell(scene.volume, scene.exact);
         go_on();

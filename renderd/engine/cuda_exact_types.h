@@ -75,8 +75,10 @@ enum ExactCounter : int {
 struct ExactScratch {
   ExactItem* items;
   TileHits* tiles;
-  HitRecord* hits;          ///< light from the first on, onwards from `onwards` on
-  Float4* glow;             ///< Feature::kEmission: a hit's own light, beside each of `hits`
+  HitRecord* hits;  ///< light from the first on, onwards from `onwards` on
+  /// A hit's own light, beside each of `hits`; null where the scene's matter does not glow,
+  /// whatever the kernel has compiled in.
+  Float4* glow;
   std::uint32_t* counters;  ///< kExactCounters
   std::uint32_t onwards;
 };
