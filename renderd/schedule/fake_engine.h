@@ -21,6 +21,8 @@ struct FakeDevice {
   std::atomic<int> scenes{0};
   std::atomic<int> volumes{0};
   std::atomic<double> last_eye_x{0};
+  std::atomic<int> rendering{0};
+  std::atomic<int> most_at_once{0};  ///< renderers
 };
 
 class FakeRenderer final : public FrameRenderer {
@@ -43,6 +45,10 @@ class FakeRenderer final : public FrameRenderer {
   Result<Batch> render(std::uint32_t samples, const std::function<bool()>& stop) override {
     using namespace std::chrono;
     const auto start = steady_clock::now();
+    const int at_once = ++device_->rendering;
+    for (int most = device_->most_at_once;
+         most < at_once && !device_->most_at_once.compare_exchange_weak(most, at_once);) {
+    }
     const double cost = device_->seconds_per_megapixel * canvas_.width * canvas_.height / 1e6;
     Batch batch;
     for (; batch.samples < samples; ++batch.samples) {
@@ -50,6 +56,7 @@ class FakeRenderer final : public FrameRenderer {
       while (steady_clock::now() < end && !stop()) std::this_thread::sleep_for(microseconds(500));
       if (steady_clock::now() < end || (cost == 0 && stop())) break;
     }
+    --device_->rendering;
     if (device_->lost) return fail(ErrorCode::kDeviceLost, "the context is broken");
     batch.seconds = duration<double>(steady_clock::now() - start).count();
     device_->samples += batch.samples;

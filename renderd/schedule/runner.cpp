@@ -124,6 +124,7 @@ void Runner::run() {
     spent_.idle += seconds_between(since, clock_.now());
   }
   adopt();
+  tell_times();
   for (StillJob& job : stills_) {
     job.done(fail(ErrorCode::kUnavailable, "The render server is stopping."), 0);
   }
@@ -154,6 +155,11 @@ std::chrono::nanoseconds Runner::next_rest() const {
                               std::max(rest, Seconds(0)) + std::chrono::milliseconds(1)));
   }
   return wait;
+}
+
+void Runner::tell_times() {
+  const std::lock_guard lock(mutex_);
+  told_ = spent_;
 }
 
 RunnerTimes Runner::times() const {
@@ -191,10 +197,7 @@ bool Runner::step() {
   const double decided = seconds_between(asked, clock_.now());
   spent_.policy += decided;
   spent_.deciding += decided;
-  {
-    const std::lock_guard lock(mutex_);
-    told_ = spent_;
-  }
+  tell_times();
   return quanta.empty() ? still_quantum() : round(quanta);
 }
 

@@ -97,6 +97,7 @@ class Runner {
   std::chrono::nanoseconds next_rest() const;
   void drop(Track& track, const Error& why);
   void busy(double seconds);
+  void tell_times();
 
   const std::unique_ptr<Policy> policy_;
   const Clock& clock_;

@@ -6,6 +6,7 @@
 
 #include "renderd/schedule/canvas.h"
 #include "renderd/schedule/fake_engine.h"
+#include "renderd/schedule/marginal_gain.h"
 #include "renderd/schedule/round_robin.h"
 
 namespace diaphane::render {
@@ -283,6 +284,33 @@ TEST_F(RunnerTest, AViewerThatComesBackGetsThePictureThatIsThere) {
   EXPECT_EQ(one->pictures().back().info.samples, before.back().info.samples);
   EXPECT_EQ(one->pictures().back().info.epoch, before.back().info.epoch);
 }
+
+struct RoundsTest : testing::Test {
+  std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
+  SystemClock clock;
+
+  /// Renderers that were at work at once while two sessions converged.
+  int at_once(double device_parallel) {
+    device->seconds_per_megapixel = 0.5;  // 5 ms a sample of 100 x 100
+    Runner::Options options;
+    options.rules = {.target_error = 0.1, .fewest_samples = 4, .device_parallel = device_parallel};
+    Runner runner(std::make_unique<MarginalGain>(), clock, options);
+    const auto one = std::make_shared<Viewer>(clock);
+    const auto two = std::make_shared<Viewer>(clock);
+    for (const auto& each : {one, two})
+      runner.add(each, std::make_unique<FakeRenderer>(device, nullptr), 0);
+    EXPECT_TRUE(eventually([&] { return one->samples >= 10 && two->samples >= 10; }));
+    runner.stop();
+    const RunnerTimes times = runner.times();
+    EXPECT_GE(times.quanta, times.rounds);
+    EXPECT_GT(times.rendering, 0.04);
+    return device->most_at_once;
+  }
+};
+
+TEST_F(RoundsTest, QuantaThatDoNotFillTheDeviceGoToItTogether) { EXPECT_EQ(at_once(1e6), 2); }
+
+TEST_F(RoundsTest, OneThatFillsTheDeviceGoesAlone) { EXPECT_EQ(at_once(1e4), 1); }
 
 StillJob still_job(const std::shared_ptr<FakeDevice>& device, std::promise<double>& done) {
   StillJob job;
