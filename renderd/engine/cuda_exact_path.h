@@ -22,6 +22,9 @@ class ExactPath {
   /// What does most of the work.
   const Variant& variant() const { return *kernels_.light; }
 
+  /// That go on from a sample's collisions.
+  std::uint32_t paths() const { return needs_.onwards_strata; }
+
   /// Of a pixel in one launch at most.
   std::uint32_t samples() const { return samples_; }
   /// Of a launch of so many samples at most; a multiple of kStripeRows.

@@ -43,7 +43,11 @@ Result<void> ExactWorkspace::grow(const ExactNeeds& needs, std::uint64_t items) 
 Result<std::uint64_t> ExactWorkspace::reserve(const ExactNeeds& needs, std::uint64_t items,
                                               std::uint64_t least) {
   const std::scoped_lock lock(mutex_);
-  for (std::uint64_t wanted = items;; wanted /= 2) {
+  if (room(needs) >= items) return items;
+  std::size_t free = 0, total = 0;
+  DIAPHANE_CUDA_TRY(cudaMemGetInfo(&free, &total));
+  for (std::uint64_t wanted = std::min<std::uint64_t>(items, free / 2 / needs.bytes());;
+       wanted /= 2) {
     wanted = std::max(wanted, least);
     if (room(needs) >= wanted) break;
     const auto made = grow(needs, wanted);

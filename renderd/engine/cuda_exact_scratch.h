@@ -17,6 +17,10 @@ struct ExactNeeds {
   bool glow = false;                                   ///< Feature::kEmission
 
   std::uint32_t strata() const { return light_strata + onwards_strata; }
+  std::uint64_t bytes() const {
+    return sizeof(ExactItem) + sizeof(TileHits) + strata() * sizeof(HitRecord) +
+           (glow ? light_strata * sizeof(Float4) : 0);
+  }
 };
 
 /// Items of a launch: enough to keep the device busy. How many samples a launch takes depends on
@@ -30,7 +34,7 @@ class ExactWorkspace {
   using Launch = std::function<cudaError_t(const ExactScratch&)>;
 
   /// Makes room for `items`, and for no fewer than `least` where memory is short: for how many
-  /// there is. kOutOfMemory harms nothing.
+  /// there is. Half of what is free is left to pictures. kOutOfMemory harms nothing.
   Result<std::uint64_t> reserve(const ExactNeeds& needs, std::uint64_t items, std::uint64_t least);
 
   /// Has `launch`, of no more items than were reserved, queue its work on `stream`, behind all that

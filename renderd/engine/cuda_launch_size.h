@@ -13,9 +13,13 @@ class LaunchSize {
  public:
   static constexpr double kTargetMs = 8;
 
-  /// Samples of pixels; the first launch of a scene is small, since nothing is known of it.
+  /// Samples of pixels; the first launch of a scene is small, since nothing is known of it but that
+  /// a sample may cost `most_cost` times that of a single collision.
   std::uint64_t work() const { return work_; }
-  void forget() { work_ = kFirst; }
+  void forget(double most_cost = 1) {
+    work_ = static_cast<std::uint64_t>(static_cast<double>(kFirst) / std::max(most_cost, 1.0));
+    work_ = std::max<std::uint64_t>(work_, 1);
+  }
 
   /// A launch of `work` took `ms`. Grows at most fourfold: a stripe of background says little of
   /// what comes.

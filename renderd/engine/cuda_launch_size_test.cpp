@@ -26,6 +26,10 @@ TEST(LaunchSize, GrowsAtMostFourfoldAndShrinksAtOnce) {
   EXPECT_EQ(size.work(), 4 * first / 1000);
   size.forget();
   EXPECT_EQ(size.work(), first);
+  size.forget(64);
+  EXPECT_EQ(size.work(), first / 64) << "paths of many collisions begin small";
+  size.forget(1e300);
+  EXPECT_EQ(size.work(), 1u);
 }
 
 TEST(LaunchSize, RowsAreWholeStepsAndNeverNone) {

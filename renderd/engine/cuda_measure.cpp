@@ -176,6 +176,7 @@ Json session(Engine& engine, const std::shared_ptr<const DeviceVolume>& volume) 
   checked(renderer->render(1, [] { return false; }));
   json["smoothed"] = checked(renderer->display_denoised(picture));
   json["film_bytes_smoothed"] = renderer->report().film_bytes;
+  json["denoise_milliseconds"] = renderer->report().denoise_milliseconds.value_or(0);
   renderer->prepare_denoising(false);
   json["camera_whole_set_scene"] = times_of(21, [&](int i) {
     scene.mutable_camera()->mutable_eye()->set_x(i);

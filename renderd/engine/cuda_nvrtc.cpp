@@ -28,7 +28,7 @@ std::vector<std::string> options_for(int architecture) {
   std::vector<std::string> options{"--gpu-architecture=sm_" + std::to_string(architecture),
                                    "--std=c++20", "--generate-line-info",
                                    "--device-as-default-execution-space"};
-  // To try a kernel's numbers without building anew: "-DDIAPHANE_EXACT_REFILL=16 ..."
+  // To try a kernel's numbers without building anew: "-DDIAPHANE_LIGHT_REFILL=16 ..."
   if (const char* more = std::getenv("DIAPHANE_NVRTC_OPTIONS")) {
     std::istringstream words(more);
     for (std::string word; words >> word;) options.push_back(word);

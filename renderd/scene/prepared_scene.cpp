@@ -74,7 +74,10 @@ std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene) {
   // lights.
   if (lamps && sum == 5) strata[kind(Strategy::kAreaLight)] = 12;
   if (sum == 0) strata[kind(Strategy::kEnvironment)] = 8;
-  if (scene.features.has(Feature::kBounces)) strata[kOnwards] = 4;
+  // Paths of very many collisions cost more than the rest together: one of them has the least error
+  // in a given time, and a launch of them stays short.
+  constexpr std::uint32_t kLongPaths = 128;
+  if (scene.features.has(Feature::kBounces)) strata[kOnwards] = scene.bounces > kLongPaths ? 1 : 4;
   return strata;
 }
 
