@@ -1,13 +1,10 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
 #include "renderd/bench/schedule/schedule_results.h"
-
-namespace CLI {
-class App;
-}
 
 namespace diaphane::render::bench {
 
