@@ -32,6 +32,7 @@ nlohmann::ordered_json kernel_json(const KernelReport& kernel) {
       {"empty_cells", kernel.empty_cells},
       {"volume_bytes", kernel.volume_bytes},
       {"acceleration_bytes", kernel.acceleration_bytes},
+      {"shared_bytes", kernel.shared_bytes},
       {"film_bytes", kernel.film_bytes},
   };
   if (kernel.registers) json["registers"] = *kernel.registers;

@@ -72,42 +72,38 @@ __global__ void __launch_bounds__(kGatherBlock)
   if constexpr (Guided) add_guides(target, pixel, stripe, guides);
 }
 
-template <std::size_t... I>
-const void* camera_of(std::size_t index, std::index_sequence<I...>) {
-  static const void* const table[] = {
-      reinterpret_cast<const void*>(&camera_kernel<kVariants[I].bits>)...};
+// A kernel's template cannot be an argument: a type that names its instances stands for it.
+struct Camera {
+  template <std::uint32_t Bits>
+  static const void* entry() {
+    return reinterpret_cast<const void*>(&camera_kernel<Bits>);
+  }
+};
+struct Light {
+  template <std::uint32_t Bits>
+  static const void* entry() {
+    return reinterpret_cast<const void*>(&light_kernel<Bits>);
+  }
+};
+struct Onwards {
+  template <std::uint32_t Bits>
+  static const void* entry() {
+    return reinterpret_cast<const void*>(&onwards_kernel<Bits>);
+  }
+};
+
+template <typename Kernel, std::size_t... I>
+const void* entry_of(std::size_t index, std::index_sequence<I...>) {
+  static const void* const table[] = {Kernel::template entry<kVariants[I].bits>()...};
   return table[index];
 }
-template <std::size_t... I>
-const void* light_of(std::size_t index, std::index_sequence<I...>) {
-  static const void* const table[] = {
-      reinterpret_cast<const void*>(&light_kernel<kVariants[I].bits>)...};
-  return table[index];
-}
-template <std::size_t... I>
-const void* onwards_of(std::size_t index, std::index_sequence<I...>) {
-  static const void* const table[] = {
-      reinterpret_cast<const void*>(&onwards_kernel<kVariants[I].bits>)...};
-  return table[index];
-}
-constexpr std::make_index_sequence<kVariantCount> kAll;
 
 /// Guides are the gather kernel's: only the general kernel, which has everything, has them too.
-std::size_t index_for(Features needed) {
-  return variant_for(needed == kAllFeatures ? needed : needed.without(Feature::kGuides));
-}
-
-KernelTemplate::Instance camera_ahead(Features needed) {
-  const std::size_t i = index_for(needed);
-  return {camera_of(i, kAll), kVariants[i]};
-}
-KernelTemplate::Instance light_ahead(Features needed) {
-  const std::size_t i = index_for(needed);
-  return {light_of(i, kAll), kVariants[i]};
-}
-KernelTemplate::Instance onwards_ahead(Features needed) {
-  const std::size_t i = index_for(needed);
-  return {onwards_of(i, kAll), kVariants[i]};
+template <typename Kernel>
+KernelTemplate::Instance ahead_of_time(Features needed) {
+  const std::size_t index =
+      variant_for(needed == kAllFeatures ? needed : needed.without(Feature::kGuides));
+  return {entry_of<Kernel>(index, std::make_index_sequence<kVariantCount>{}), kVariants[index]};
 }
 
 std::uint32_t blocks_for(std::uint64_t threads, std::uint32_t block) {
@@ -119,15 +115,15 @@ std::uint32_t blocks_for(std::uint64_t threads, std::uint32_t block) {
 const KernelTemplate kExactCamera{.name = "exact walk, camera rays",
                                   .header = "renderd/engine/cuda_exact_camera.cuh",
                                   .expression = "diaphane::render::cuda::camera_kernel",
-                                  .ahead_of_time = &camera_ahead};
+                                  .ahead_of_time = &ahead_of_time<Camera>};
 const KernelTemplate kExactLight{.name = "exact walk, rays to lights",
                                  .header = "renderd/engine/cuda_exact_light.cuh",
                                  .expression = "diaphane::render::cuda::light_kernel",
-                                 .ahead_of_time = &light_ahead};
+                                 .ahead_of_time = &ahead_of_time<Light>};
 const KernelTemplate kExactOnwards{.name = "exact walk, paths onwards",
                                    .header = "renderd/engine/cuda_exact_light.cuh",
                                    .expression = "diaphane::render::cuda::onwards_kernel",
-                                   .ahead_of_time = &onwards_ahead};
+                                   .ahead_of_time = &ahead_of_time<Onwards>};
 
 cudaError_t trace_exact(const ExactKernels& kernels, const SceneView<TextureVolume>& scene,
                         const Stripe& stripe, const ExactScratch& scratch,

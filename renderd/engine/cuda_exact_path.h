@@ -22,6 +22,8 @@ class ExactPath {
   /// What does most of the work.
   const Variant& variant() const { return *kernels_.light; }
 
+  std::uint64_t shared_bytes() const { return workspace_->device_bytes(); }
+
   /// That go on from a sample's collisions.
   std::uint32_t paths() const { return needs_.onwards_strata; }
 

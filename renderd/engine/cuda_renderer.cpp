@@ -379,6 +379,7 @@ KernelReport CudaRenderer::report() const {
   report.volume_bytes = volume_->device_bytes();
   report.acceleration_bytes = tables_.acceleration.device_bytes();
   report.film_bytes = film_->device_bytes();
+  if (exact_) report.shared_bytes = exact_->shared_bytes();
   if (denoiser_ && denoiser_->last_milliseconds() > 0) {
     report.denoise_milliseconds = denoiser_->last_milliseconds();
   }
