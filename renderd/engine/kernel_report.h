@@ -36,7 +36,7 @@ struct KernelReport {
   double empty_cells = 0;  ///< share of the macrocells that are skipped as empty
   std::uint64_t volume_bytes = 0, acceleration_bytes = 0, film_bytes = 0;  ///< on the device
   std::uint64_t shared_bytes = 0;  ///< working memory there, one for all sessions
-  std::string note;  ///< why no kernel was compiled though one should have been
+  std::string note;                ///< why no kernel was compiled though one should have been
 };
 
 inline const char* name_of(KernelOrigin origin) {
