@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <nlohmann/json.hpp>
+
+#include "renderd/bench/text.h"
 
 namespace diaphane::render::bench {
 namespace {
@@ -58,15 +58,6 @@ Json json_of(const ReportHead& head, const Curve& curve) {
 std::uint64_t pixels_of(const Reference& reference) {
   return static_cast<std::uint64_t>(
       std::count(reference.contents.begin(), reference.contents.end(), std::uint8_t{1}));
-}
-
-[[gnu::format(printf, 2, 3)]] void print(std::string& to, const char* form, ...) {
-  char text[320];
-  va_list arguments;
-  va_start(arguments, form);
-  std::vsnprintf(text, sizeof text, form, arguments);
-  va_end(arguments);
-  to += text;
 }
 
 double smallest_rmse(const Convergence& result) {

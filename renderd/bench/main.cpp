@@ -5,9 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
-#include <fstream>
 #include <iostream>
-#include <sstream>
 
 #include "renderd/bench/convergence.h"
 #include "renderd/bench/convergence_report.h"
@@ -16,6 +14,7 @@
 #include "renderd/bench/made_volume.h"
 #include "renderd/bench/schedule/schedule_command.h"
 #include "renderd/bench/stability.h"
+#include "renderd/bench/text.h"
 #include "renderd/scene/presets.h"
 
 namespace {
@@ -51,11 +50,9 @@ int complain(const diaphane::Error& error) {
 }
 
 Result<diaphane::v1::Scene> scene_of(const std::string& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  if (!file) return diaphane::fail(ErrorCode::kNotFound, "cannot read " + path);
-  return render::scene_from_json(text.str());
+  const auto text = bench::read_text(path);
+  if (!text) return tl::unexpected(text.error());
+  return render::scene_from_json(*text);
 }
 
 Result<render::Canvas> canvas_of(const std::string& text) {
@@ -97,14 +94,6 @@ std::string short_name(std::string path) {
   return path.substr(0, path.find_last_of('.'));
 }
 
-bool written(const std::string& path, const std::string& text) {
-  if (path.empty()) return true;
-  std::ofstream file(path);
-  file << text << std::flush;
-  if (!file) std::cerr << "diaphane-renderd-bench: cannot write " << path << '\n';
-  return static_cast<bool>(file);
-}
-
 Result<std::unique_ptr<render::Engine>> engine_of(const Options& options) {
   const auto choice =
       options.engine == "cuda" ? render::EngineChoice::kCuda : render::EngineChoice::kCpu;
@@ -139,8 +128,8 @@ int run(Options& options) {
   auto result = converge(options);
   if (!result) return complain(result.error());
   std::cout << bench::report_text(options.head, *result) << std::flush;
-  const bool all = written(options.json, bench::report_json(options.head, *result)) &&
-                   written(options.csv, bench::report_csv(*result));
+  const bool all = bench::written(options.json, bench::report_json(options.head, *result)) &&
+                   bench::written(options.csv, bench::report_csv(*result));
   return all ? 0 : kFailed;
 }
 
@@ -159,8 +148,8 @@ int run_stability(Options& options) {
   const auto rows = bench::measure_stability(**engine, options.stability);
   std::cout << (all ? "all as they should be" : "some are wrong") << ": " << rows.size()
             << " cases on " << info.device << '\n';
-  if (!written(options.json, bench::stability_json(rows, info)) ||
-      !written(options.csv, bench::stability_csv(rows, info.engine))) {
+  if (!bench::written(options.json, bench::stability_json(rows, info)) ||
+      !bench::written(options.csv, bench::stability_csv(rows, info.engine))) {
     return kFailed;
   }
   return all ? 0 : 1;
@@ -215,8 +204,8 @@ int run_growth(Options& options) {
             << bench::growth_heading() << std::flush;
   const auto rows = bench::measure_growth(**engine, *subjects, wish);
   if (!rows) return complain(rows.error());
-  const bool all = written(options.json, bench::growth_json(*rows, info, wish)) &&
-                   written(options.csv, bench::growth_csv(*rows, info.engine));
+  const bool all = bench::written(options.json, bench::growth_json(*rows, info, wish)) &&
+                   bench::written(options.csv, bench::growth_csv(*rows, info.engine));
   return all ? 0 : kFailed;
 }
 

@@ -5,14 +5,6 @@
 namespace diaphane::render::cuda {
 namespace {
 
-template <typename T>
-Result<void> allocate(DeviceBuffer<T>& buffer, std::size_t count) {
-  auto made = DeviceBuffer<T>::of(count);
-  if (!made) return tl::unexpected(made.error());
-  buffer = std::move(*made);
-  return {};
-}
-
 std::size_t cell_count(Int3 cells) {
   return static_cast<std::size_t>(cells.x) * static_cast<std::size_t>(cells.y) *
          static_cast<std::size_t>(cells.z);
@@ -28,10 +20,10 @@ Result<Acceleration> Acceleration::reserve(const Acceleration& current, const Cu
   if (current.made() && current.maxima_.capacity() >= nodes) return made;
   made.cells_ = volume.grid().cells;
   made.size_ = volume.view().size;
-  DIAPHANE_TRY(allocate(made.maxima_, nodes));
-  DIAPHANE_TRY(allocate(made.minima_, nodes));
-  DIAPHANE_TRY(allocate(made.bounds_, cell_count(made.cells_)));
-  DIAPHANE_TRY(allocate(made.summary_, 1));
+  DIAPHANE_TRY(ensure(made.maxima_, nodes));
+  DIAPHANE_TRY(ensure(made.minima_, nodes));
+  DIAPHANE_TRY(ensure(made.bounds_, cell_count(made.cells_)));
+  DIAPHANE_TRY(ensure(made.summary_, 1));
   return made;
 }
 
@@ -52,14 +44,10 @@ Result<void> Acceleration::rebuild_acceleration(const CudaVolume& volume,
 
 Result<void> Acceleration::rebuild_exact(const CudaVolume& volume, const ExactTables& tables,
                                          cudaStream_t stream) {
-  const auto fit = [](auto& buffer, std::size_t count) -> Result<void> {
-    if (buffer.data() != nullptr && buffer.capacity() >= count) return {};
-    return allocate(buffer, count);
-  };
-  DIAPHANE_TRY(fit(pieces_, tables.pieces.size()));
-  DIAPHANE_TRY(fit(piece_of_, tables.piece_of.size()));
-  DIAPHANE_TRY(fit(clear_until_, tables.clear_until.size()));
-  DIAPHANE_TRY(fit(skips_, volume.skip_bytes()));
+  DIAPHANE_TRY(ensure(pieces_, tables.pieces.size()));
+  DIAPHANE_TRY(ensure(piece_of_, tables.piece_of.size()));
+  DIAPHANE_TRY(ensure(clear_until_, tables.clear_until.size()));
+  DIAPHANE_TRY(ensure(skips_, volume.skip_bytes()));
   DIAPHANE_TRY(upload(pieces_, tables.pieces.data(), tables.pieces.size(), stream));
   DIAPHANE_TRY(upload(piece_of_, tables.piece_of.data(), tables.piece_of.size(), stream));
   DIAPHANE_TRY(upload(clear_until_, tables.clear_until.data(), tables.clear_until.size(), stream));

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <mutex>
 #include <optional>
 
@@ -55,21 +54,6 @@ class CudaDenoiser {
   DeviceBuffer<Gain> gains_;
   std::optional<Event> begin_, end_;
   float milliseconds_ = 0;
-};
-
-/// The one denoiser of a device, there while any session holds it.
-class DenoiserShare {
- public:
-  std::shared_ptr<CudaDenoiser> take() {
-    const std::lock_guard lock(mutex_);
-    auto denoiser = denoiser_.lock();
-    if (!denoiser) denoiser_ = denoiser = std::make_shared<CudaDenoiser>();
-    return denoiser;
-  }
-
- private:
-  std::mutex mutex_;
-  std::weak_ptr<CudaDenoiser> denoiser_;
 };
 
 }  // namespace diaphane::render::cuda

@@ -19,8 +19,8 @@ class CudaEngine : public Engine {
         lean_memory_(options.lean_memory),
         shares_{std::make_shared<cuda::VariantStore>(options.kernels, options.kernel_cache,
                                                      architecture),
-                std::make_shared<cuda::DenoiserShare>(),
-                std::make_shared<cuda::ExactWorkspaceShare>()} {}
+                std::make_shared<cuda::DeviceShare<cuda::CudaDenoiser>>(),
+                std::make_shared<cuda::DeviceShare<cuda::ExactWorkspace>>()} {}
 
   EngineInfo info() const override { return info_; }
 

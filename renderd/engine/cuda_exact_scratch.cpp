@@ -5,14 +5,6 @@
 namespace diaphane::render::cuda {
 namespace {
 
-template <typename T>
-Result<void> enlarge(DeviceBuffer<T>& buffer, std::uint64_t count) {
-  auto larger = grown(buffer, count);
-  if (!larger) return tl::unexpected(larger.error());
-  adopt(buffer, std::move(*larger));
-  return {};
-}
-
 std::uint64_t tiles_for(std::uint64_t items) { return (items + kTilePixels - 1) / kTilePixels; }
 
 }  // namespace
@@ -33,11 +25,11 @@ Result<void> ExactWorkspace::grow(const ExactNeeds& needs, std::uint64_t items) 
     if (!event) return tl::unexpected(event.error());
     used_ = std::move(*event);
   }
-  DIAPHANE_TRY(enlarge(counters_, kExactCounters));
-  DIAPHANE_TRY(enlarge(items_, items));
-  DIAPHANE_TRY(enlarge(tiles_, tiles_for(items)));
-  DIAPHANE_TRY(enlarge(hits_, items * needs.strata()));
-  return needs.glow ? enlarge(glow_, items * needs.light_strata) : Result<void>{};
+  DIAPHANE_TRY(ensure(counters_, kExactCounters));
+  DIAPHANE_TRY(ensure(items_, items));
+  DIAPHANE_TRY(ensure(tiles_, tiles_for(items)));
+  DIAPHANE_TRY(ensure(hits_, items * needs.strata()));
+  return needs.glow ? ensure(glow_, items * needs.light_strata) : Result<void>{};
 }
 
 Result<std::uint64_t> ExactWorkspace::reserve(const ExactNeeds& needs, std::uint64_t items,

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <mutex>
 #include <optional>
 
@@ -54,21 +53,6 @@ class ExactWorkspace {
   DeviceBuffer<Float4> glow_;
   DeviceBuffer<std::uint32_t> counters_;
   std::optional<Event> used_;  ///< after the last use
-};
-
-/// The one workspace of a device, there while any session holds it.
-class ExactWorkspaceShare {
- public:
-  std::shared_ptr<ExactWorkspace> take() {
-    const std::lock_guard lock(mutex_);
-    auto workspace = workspace_.lock();
-    if (!workspace) workspace_ = workspace = std::make_shared<ExactWorkspace>();
-    return workspace;
-  }
-
- private:
-  std::mutex mutex_;
-  std::weak_ptr<ExactWorkspace> workspace_;
 };
 
 }  // namespace diaphane::render::cuda

@@ -9,26 +9,16 @@ namespace {
 /// Pixels whose radiance is made at a time: 12 bytes each, only while it is made.
 constexpr std::uint64_t kRadiancePixels = 1 << 18;
 
-/// Nothing where the buffer is there already.
-template <typename T>
-Result<void> allocate(DeviceBuffer<T>& buffer, std::uint64_t count) {
-  if (buffer.data() != nullptr) return {};
-  auto made = DeviceBuffer<T>::of(count);
-  if (!made) return tl::unexpected(made.error());
-  buffer = std::move(*made);
-  return {};
-}
-
 }  // namespace
 
 Result<CudaFilm> CudaFilm::make(Canvas canvas) {
   CudaFilm film;
   film.canvas_ = canvas;
   const std::uint64_t pixels = film.pixels();
-  DIAPHANE_TRY(allocate(film.sum_, 3 * pixels));
-  DIAPHANE_TRY(allocate(film.difference_, 3 * pixels));
-  DIAPHANE_TRY(allocate(film.state_, pixels));
-  DIAPHANE_TRY(allocate(film.dropped_, 1));
+  DIAPHANE_TRY(ensure(film.sum_, 3 * pixels));
+  DIAPHANE_TRY(ensure(film.difference_, 3 * pixels));
+  DIAPHANE_TRY(ensure(film.state_, pixels));
+  DIAPHANE_TRY(ensure(film.dropped_, 1));
   film.rows_ = RowCounts(canvas.height);
   return film;
 }
@@ -46,7 +36,7 @@ std::uint64_t CudaFilm::device_bytes() const {
 
 Result<void> CudaFilm::keep_guides(bool wanted) {
   if (!wanted) guides_ = {};
-  return wanted ? allocate(guides_, pixels()) : Result<void>{};
+  return wanted ? ensure(guides_, pixels()) : Result<void>{};
 }
 
 Result<void> CudaFilm::clear(cudaStream_t stream) {
@@ -71,7 +61,7 @@ Result<FilmPicture> CudaFilm::picture(cudaStream_t stream) const {
   for (std::uint32_t row = 0; row < canvas_.height; row += kStripeRows) {
     counts.push_back(rows_.of(row));
   }
-  DIAPHANE_TRY(allocate(by_stripe_, counts.size()));
+  DIAPHANE_TRY(ensure(by_stripe_, counts.size()));
   DIAPHANE_TRY(upload(by_stripe_, counts.data(), counts.size(), stream));
   picture.samples.by_stripe = by_stripe_.data();
   return picture;
@@ -84,7 +74,7 @@ Result<std::uint64_t> CudaFilm::dropped(cudaStream_t stream) const {
 }
 
 Result<float> CudaFilm::white(const FilmPicture& film, cudaStream_t stream) const {
-  DIAPHANE_TRY(allocate(counts_, kWhiteCounts));
+  DIAPHANE_TRY(ensure(counts_, kWhiteCounts));
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(counts_.data(), 0, counts_.bytes(), stream));
   DIAPHANE_CUDA_TRY(white_histogram(film, counts_.data(), stream));
   WhiteHistogram histogram;
@@ -94,7 +84,7 @@ Result<float> CudaFilm::white(const FilmPicture& film, cudaStream_t stream) cons
 
 Result<double> CudaFilm::error(cudaStream_t stream) const {
   if (samples() < 2) return std::numeric_limits<double>::infinity();
-  DIAPHANE_TRY(allocate(tiles_, tile_count()));
+  DIAPHANE_TRY(ensure(tiles_, tile_count()));
   const auto film = picture(stream);
   if (!film) return tl::unexpected(film.error());
   const auto white_value = white(*film, stream);
@@ -106,7 +96,7 @@ Result<double> CudaFilm::error(cudaStream_t stream) const {
 }
 
 Result<void> CudaFilm::display(float scale, std::uint8_t* rgb, cudaStream_t stream) const {
-  DIAPHANE_TRY(allocate(display_, 3 * pixels()));
+  DIAPHANE_TRY(ensure(display_, 3 * pixels()));
   const auto film = picture(stream);
   if (!film) return tl::unexpected(film.error());
   DIAPHANE_CUDA_TRY(display_film(*film, scale, display_.data(), stream));

@@ -3,6 +3,8 @@
 #include <cuda_runtime_api.h>
 
 #include <cstddef>
+#include <memory>
+#include <mutex>
 #include <utility>
 
 #include "renderd/engine/cuda_error.h"
@@ -54,6 +56,32 @@ template <typename T>
 void adopt(DeviceBuffer<T>& buffer, DeviceBuffer<T>&& larger) {
   if (larger.data() != nullptr) buffer = std::move(larger);
 }
+
+/// Room for `count`: nothing where there is enough. What was in a buffer that grows is lost;
+/// kOutOfMemory leaves it as it was.
+template <typename T>
+Result<void> ensure(DeviceBuffer<T>& buffer, std::size_t count) {
+  auto larger = grown(buffer, count);
+  if (!larger) return tl::unexpected(larger.error());
+  adopt(buffer, std::move(*larger));
+  return {};
+}
+
+/// The one T of a device, there while any session holds it.
+template <typename T>
+class DeviceShare {
+ public:
+  std::shared_ptr<T> take() {
+    const std::lock_guard lock(mutex_);
+    auto shared = shared_.lock();
+    if (!shared) shared_ = shared = std::make_shared<T>();
+    return shared;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::weak_ptr<T> shared_;
+};
 
 /// In the stream's order; `from` may be freed when this returns.
 template <typename T>

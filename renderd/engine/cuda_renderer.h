@@ -20,8 +20,8 @@ namespace diaphane::render::cuda {
 /// What all sessions of a device share.
 struct DeviceShares {
   std::shared_ptr<VariantStore> variants;
-  std::shared_ptr<DenoiserShare> denoisers;
-  std::shared_ptr<ExactWorkspaceShare> workspaces;
+  std::shared_ptr<DeviceShare<CudaDenoiser>> denoisers;
+  std::shared_ptr<DeviceShare<ExactWorkspace>> workspaces;
 };
 
 /// One session's picture on the device, on a stream of its own.

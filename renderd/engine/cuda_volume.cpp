@@ -1,7 +1,6 @@
 #include "renderd/engine/cuda_volume.h"
 
 #include <algorithm>
-#include <type_traits>
 #include <vector>
 
 #include "renderd/engine/cuda_acceleration_kernels.h"
@@ -91,18 +90,12 @@ std::size_t CudaVolume::brick_count() const {
 Result<void> CudaVolume::make_exact(cudaStream_t stream) const {
   if (exact_->made) return {};
   const std::size_t bricks = brick_count();
-  const auto allocate = [](auto& buffer, std::size_t count) -> Result<void> {
-    auto made = std::remove_reference_t<decltype(buffer)>::of(count);
-    if (!made) return tl::unexpected(made.error());
-    buffer = std::move(*made);
-    return {};
-  };
-  DIAPHANE_TRY(allocate(exact_->ranges, bricks));
-  DIAPHANE_TRY(allocate(exact_->levels, 8 * bricks));
+  DIAPHANE_TRY(ensure(exact_->ranges, bricks));
+  DIAPHANE_TRY(ensure(exact_->levels, 8 * bricks));
   const auto with_rim = static_cast<std::size_t>(BrickArray(grid_.bricks).count);
-  DIAPHANE_TRY(allocate(exact_->first_of, with_rim));
-  DIAPHANE_TRY(allocate(exact_->missing, bricks));
-  DIAPHANE_TRY(allocate(exact_->counters, 3));
+  DIAPHANE_TRY(ensure(exact_->first_of, with_rim));
+  DIAPHANE_TRY(ensure(exact_->missing, bricks));
+  DIAPHANE_TRY(ensure(exact_->counters, 3));
   const std::vector<std::int32_t> none(with_rim, TextureVolume::kNoNodes);
   DIAPHANE_TRY(cuda::upload(exact_->first_of, none.data(), with_rim, stream));
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(exact_->counters.data(), 0, exact_->counters.bytes(), stream));
@@ -116,7 +109,7 @@ Result<void> CudaVolume::make_exact(cudaStream_t stream) const {
   // Nodes are counted in 31 bits.
   constexpr std::size_t kMostSlots = (std::size_t{1} << 31) / kSlot - 1;
   const std::size_t slots = std::min({wanted, bricks, kMostSlots});
-  if (slots > 0 && allocate(exact_->nodes, kSlot * slots))
+  if (slots > 0 && ensure(exact_->nodes, kSlot * slots))
     exact_->capacity = static_cast<std::uint32_t>(slots);
   exact_->made = true;
   return {};

@@ -7,14 +7,7 @@
 // Before a loop whose code is to be there once, whatever is known of its length.
 #define DEVICE_NO_UNROLL _Pragma("unroll 1")
 #define HOST_DEVICE __host__ __device__ __forceinline__
-// What is seldom needed, out of the way of what is: on a GPU its registers would be taken from all.
-#if defined(DIAPHANE_INLINE_ALL)
-#define HOST_DEVICE_SELDOM HOST_DEVICE
-#else
-#define HOST_DEVICE_SELDOM __host__ __device__ __noinline__ inline
-#endif
 #else
 #define DEVICE_NO_UNROLL
 #define HOST_DEVICE [[gnu::always_inline]] inline
-#define HOST_DEVICE_SELDOM HOST_DEVICE
 #endif

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "renderd/bench/schedule/scores.h"
+#include "renderd/bench/text.h"
 
 namespace diaphane::render::bench {
 namespace {
@@ -57,12 +56,10 @@ double DeviceModel::to_good(const std::string& scene_name, Canvas canvas) const 
 Result<DeviceModel> device_model(const std::string& name) {
   if (name == "h200") return h200();
   if (name == "cpu2") return two_cores();
-  std::ifstream file(name);
-  std::stringstream text;
-  text << file.rdbuf();
-  if (!file) return fail(ErrorCode::kNotFound, "cannot read " + name, "--costs");
+  const auto text = read_text(name, "--costs");
+  if (!text) return tl::unexpected(text.error());
   try {
-    const auto json = nlohmann::json::parse(text.str());
+    const auto json = nlohmann::json::parse(*text);
     DeviceModel model;
     model.name = json.at("name");
     model.parallel = json.at("parallel");

@@ -1,10 +1,10 @@
 #include "renderd/bench/schedule/figure9.h"
 
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numeric>
+
+#include "renderd/bench/text.h"
 
 namespace diaphane::render::bench {
 namespace {
@@ -63,19 +63,6 @@ std::vector<Situation> figure9(std::uint64_t seed) {
   }
   return situations;
 }
-
-namespace {
-
-[[gnu::format(printf, 2, 3)]] void print(std::string& to, const char* form, ...) {
-  char text[160];
-  va_list arguments;
-  va_start(arguments, form);
-  std::vsnprintf(text, sizeof text, form, arguments);
-  va_end(arguments);
-  to += text;
-}
-
-}  // namespace
 
 std::string figure9_text(const std::vector<Situation>& situations) {
   std::string text = "thesis, Figure 9: node and its iteration, one turn a line\n";

@@ -4,14 +4,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <fstream>
 #include <iostream>
-#include <sstream>
 
 #include "renderd/bench/made_volume.h"
 #include "renderd/bench/schedule/figure9.h"
 #include "renderd/bench/schedule/real_run.h"
 #include "renderd/bench/schedule/schedule_results.h"
+#include "renderd/bench/text.h"
 #include "renderd/scene/presets.h"
 
 namespace diaphane::render::bench {
@@ -23,22 +22,6 @@ int complain(const Error& error) {
   std::cerr << "diaphane-renderd-bench: " << (error.field.empty() ? "" : error.field + ": ")
             << error.message << '\n';
   return error.code == ErrorCode::kUnavailable ? kNoDevice : kFailed;
-}
-
-Result<std::string> read_text(const std::string& path, const char* field) {
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  if (!file) return fail(ErrorCode::kNotFound, "cannot read " + path, field);
-  return text.str();
-}
-
-bool written(const std::string& path, const std::string& text) {
-  if (path.empty()) return true;
-  std::ofstream file(path);
-  file << text << std::flush;
-  if (!file) std::cerr << "diaphane-renderd-bench: cannot write " << path << '\n';
-  return static_cast<bool>(file);
 }
 
 std::vector<std::string> policy_names() {

@@ -1,27 +1,17 @@
 #include "renderd/bench/schedule/schedule_results.h"
 
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "renderd/bench/text.h"
 #include "renderd/bench/timing.h"
 
 namespace diaphane::render::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-[[gnu::format(printf, 2, 3)]] void print(std::string& to, const char* form, ...) {
-  char text[320];
-  va_list arguments;
-  va_start(arguments, form);
-  std::vsnprintf(text, sizeof text, form, arguments);
-  va_end(arguments);
-  to += text;
-}
 
 std::vector<double> figures(const std::vector<Scores>& runs, const Column& column) {
   std::vector<double> values;
