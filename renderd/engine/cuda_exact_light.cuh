@@ -85,7 +85,7 @@ __device__ __forceinline__ HitTask task_of_record(const SceneView<TextureVolume>
 
 /// Aims the hit `index` and puts its ray, if there is one to be walked, onto the stack, which has
 /// `stacked`; how many it has then. Until it has been walked, the hit holds the ray's weight. By
-/// whole warps. Not in line: its many registers would be taken from the rays under way.
+/// whole warps. In line: as a call it would have the rays under way spilled at each step.
 template <Features F>
 __device__ __forceinline__ int aim(const SceneView<TextureVolume>& scene, const Stripe& stripe,
                                    const ExactScratch& scratch, std::uint32_t index,
@@ -134,6 +134,7 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS(Features{Bi
   enum Wants : int { kRay, kCell, kNewParts, kPart } wants = kRay;
   std::uint32_t hit = 0;
   TransmittanceWalk<kF, TextureVolume> walk;
+  CellCrossing<TextureVolume> passed;
   /// After a step.
   const auto go_on = [&] {
     wants = !kCurved || !walk.in_parts() ? kCell : walk.at_new_parts() ? kNewParts : kPart;
@@ -182,7 +183,7 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS(Features{Bi
         if (now == kNewParts) {
           walk.begin_parts(scene.volume, scene.exact);
         } else {
-          walk.step_part(scene.volume, scene.exact);
+          walk.step_part(scene.volume, scene.exact, passed);
         }
         go_on();
       }
@@ -191,7 +192,7 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS(Features{Bi
 #pragma unroll
     for (int i = 0; i < DIAPHANE_LIGHT_STEPS(kF); ++i) {
       if (wants == kCell) {
-        walk.step_cell(scene.volume, scene.exact);
+        walk.step_cell(scene.volume, scene.exact, passed);
         go_on();
       }
     }

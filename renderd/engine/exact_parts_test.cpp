@@ -145,9 +145,10 @@ TEST(TransmittanceWalk, HasBeerAndLambertAsItsMeanBeyondWhereRaysEndByChance) {
   const auto view = thick.scene.view();
   expect_beer_and_lambert(kCertainDepth, [&](float length, Random& random) {
     const auto [ray, span] = Thick::way(length);
+    CellCrossing<LinearVolume> passed;
     TransmittanceWalk<kCurved, LinearVolume> walk(ray, span, view.volume, view.exact,
                                                   random.exponential());
-    while (!walk.ended()) walk.step(view.volume, view.exact);
+    while (!walk.ended()) walk.step(view.volume, view.exact, passed);
     return double{walk.transmittance()};
   });
 }

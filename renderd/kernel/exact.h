@@ -112,41 +112,22 @@ class DepthWalk {
 
 /// The transmittance along a ray. Unbiased; exact but for what is beyond kCertainDepth.
 template <Features F, typename Volume>
-class TransmittanceWalk {
+class TransmittanceWalk : public DepthWalk<F, Volume> {
  public:
   TransmittanceWalk() = default;  ///< to be assigned to
   /// `ending` is an exponential variate.
   HOST_DEVICE TransmittanceWalk(const Ray& ray, Span span, const Volume& volume,
                                 const ExactView& exact, float ending)
-      : walk_(ray, span, volume, exact), dark_(kCertainDepth + ending) {}
+      : DepthWalk<F, Volume>(ray, span, volume, exact), dark_(kCertainDepth + ending) {}
 
-  HOST_DEVICE bool ended() const { return walk_.ended() || walk_.depth() >= dark_; }
-  // As DepthWalk's.
-  HOST_DEVICE bool in_parts() const { return walk_.in_parts(); }
-  HOST_DEVICE bool at_new_parts() const { return walk_.at_new_parts(); }
-  HOST_DEVICE void begin_parts(const Volume& volume, const ExactView& exact) {
-    walk_.begin_parts(volume, exact);
-  }
-  HOST_DEVICE void step(const Volume& volume, const ExactView& exact) {
-    CellCrossing<Volume> c;
-    walk_.step(volume, exact, c);
-  }
-  HOST_DEVICE void step_cell(const Volume& volume, const ExactView& exact) {
-    CellCrossing<Volume> c;
-    walk_.step_cell(volume, exact, c);
-  }
-  HOST_DEVICE void step_part(const Volume& volume, const ExactView& exact) {
-    CellCrossing<Volume> c;
-    walk_.step_part(volume, exact, c);
-  }
+  /// Earlier than the walk itself, where no light is left.
+  HOST_DEVICE bool ended() const { return DepthWalk<F, Volume>::ended() || this->depth() >= dark_; }
   /// Once it has ended.
   HOST_DEVICE float transmittance() const {
-    const float depth = walk_.depth();
-    return depth >= dark_ ? 0.0f : expf(-smaller(depth, kCertainDepth));
+    return this->depth() >= dark_ ? 0.0f : expf(-smaller(this->depth(), kCertainDepth));
   }
 
  private:
-  DepthWalk<F, Volume> walk_;
   float dark_;
 };
 
@@ -155,7 +136,7 @@ inline constexpr int kMostHits = 32;
 
 /// A collision of a camera ray.
 struct Hit {
-  float distance;  ///< mm; negative: none in this stratum
+  float distance;  ///< mm
   float value;
 };
 

@@ -143,7 +143,8 @@ HOST_DEVICE SampleOf<F> exact_estimate(const SceneView<Volume>& scene, std::uint
         if (!task.lit) return;
         TransmittanceWalk<F, Volume> walk(task.ray, task.span, scene.volume, scene.exact,
                                           task.ending);
-        while (!walk.ended()) walk.step(scene.volume, scene.exact);
+        CellCrossing<Volume> passed;
+        while (!walk.ended()) walk.step(scene.volume, scene.exact, passed);
         radiance += task.weight * walk.transmittance();
       });
   result.met_matter |= first.met_matter;
