@@ -42,6 +42,7 @@ struct Settings {
   std::uint64_t volume_bytes = 0;
   PolicyKind policy = PolicyKind::kMarginalGain;
   EngineOptions options;
+  bool mark_frames = false;
 };
 
 Settings read_settings(ConfigReader& in) {
@@ -91,6 +92,9 @@ Settings read_settings(ConfigReader& in) {
       "kernel-cache", "directory for compiled kernels; empty: none", default_kernel_cache());
   settings.options.lean_memory =
       in.one_of("lean-memory", "1: at most 5% of device memory beside a volume's voxels",
+                {"0", "1"}, "0") == "1";
+  settings.mark_frames =
+      in.one_of("mark-frames", "1: for a bench, each picture shows the number of its input",
                 {"0", "1"}, "0") == "1";
   return settings;
 }
@@ -168,6 +172,7 @@ int run(int argc, char** argv) {
   worker_options.encoder_threads =
       std::max(1U, std::min(8U, std::thread::hardware_concurrency() / 4));
   worker_options.host.slots = settings.slots;
+  worker_options.host.mark_frames = settings.mark_frames;
   worker_options.runner.rules.target_error = settings.max_error;
   worker_options.policy = settings.policy;
   worker_options.runner.device_lost = leave_broken_device;

@@ -2,27 +2,14 @@
 #include <turbojpeg.h>
 
 #include <atomic>
-#include <cmath>
 #include <future>
 #include <latch>
 
 #include "renderd/encode/encode_lane.h"
+#include "renderd/encode/test_pictures.h"
 
 namespace diaphane::render {
 namespace {
-
-PictureRgb8 smooth_picture(std::uint32_t width, std::uint32_t height) {
-  PictureRgb8 picture;
-  picture.size = {width, height};
-  for (std::uint32_t y = 0; y < height; ++y) {
-    for (std::uint32_t x = 0; x < width; ++x) {
-      picture.pixels.push_back(static_cast<std::uint8_t>(255.0 * x / width));
-      picture.pixels.push_back(static_cast<std::uint8_t>(255.0 * y / height));
-      picture.pixels.push_back(static_cast<std::uint8_t>(127 + 100 * std::sin(0.1 * x)));
-    }
-  }
-  return picture;
-}
 
 struct Decoded {
   PictureRgb8 picture;
@@ -43,14 +30,6 @@ Decoded decode(const std::string& jpeg) {
             0);
   tjDestroy(handle);
   return out;
-}
-
-double rms(const PictureRgb8& a, const PictureRgb8& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
-    sum += std::pow(double(a.pixels[i]) - b.pixels[i], 2);
-  }
-  return std::sqrt(sum / double(a.pixels.size()));
 }
 
 TEST(JpegEncoder, APictureComesBackWithinAFewSteps) {

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "common/log.h"
+#include "renderd/encode/frame_mark.h"
 #include "renderd/scene/presets.h"
 #include "volume/header.h"
 
@@ -211,6 +212,7 @@ void LiveSession::picture(RenderedPicture picture) {
     const std::lock_guard lock(mutex_);
     lane = lane_;
   }
+  if (parts_.mark_frames) draw_frame_mark(picture.picture, picture.info.input_seq);
   if (lane) lane->submit(std::move(picture));
 }
 

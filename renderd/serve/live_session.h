@@ -34,6 +34,7 @@ struct SessionParts {
   Metrics& metrics;
   const Clock& clock;
   std::function<std::size_t()> session_count;
+  bool mark_frames = false;  ///< for a bench: input_seq in the pixels (encode/frame_mark.h)
 };
 
 /// One session: joins the pure state machine to the runner, the encoder and the connection.

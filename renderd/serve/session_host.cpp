@@ -70,7 +70,8 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
       }
       is_new = true;
       session = std::make_shared<LiveSession>(
-          SessionParts{engine_, runner_, encoders_, metrics_, clock_, [this] { return used(); }},
+          SessionParts{engine_, runner_, encoders_, metrics_, clock_, [this] { return used(); },
+                       options_.mark_frames},
           std::move(*start), [this, id] { forget(id, nullptr); });
       sessions_.emplace(id, session);
       metrics_.sessions(sessions_.size());

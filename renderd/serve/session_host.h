@@ -33,6 +33,7 @@ class SessionHost {
   struct Options {
     std::size_t slots = 4;  ///< sessions at most, those that wait for a viewer included
     std::chrono::seconds keep_abandoned{30};  ///< so that a reload is where one was
+    bool mark_frames = false;  ///< for a bench: input_seq in the pixels (encode/frame_mark.h)
   };
   /// What the heartbeat tells of a session.
   struct Live {
