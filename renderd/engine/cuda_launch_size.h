@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace diaphane::render::cuda {
@@ -13,20 +14,36 @@ class LaunchSize {
  public:
   static constexpr double kTargetMs = 8;
 
-  /// Samples of pixels; the first launch of a scene is small, since nothing is known of it but that
-  /// a sample may cost `most_cost` times that of a single collision.
+  /// Samples of pixels.
   std::uint64_t work() const { return work_; }
-  void forget(double most_cost = 1) {
-    work_ = static_cast<std::uint64_t>(static_cast<double>(kFirst) / std::max(most_cost, 1.0));
-    work_ = std::max<std::uint64_t>(work_, 1);
+
+  /// A new scene, on a picture of so many pixels. Nothing is known of it but that a sample may cost
+  /// `most_cost` times that of a single collision: the first launch is small.
+  void forget(double most_cost = 1, std::uint64_t pixels = 1) {
+    most_cost = std::max(most_cost, 1.0);
+    work_ = std::max<std::uint64_t>(static_cast<std::uint64_t>(kFirst / most_cost), 1);
+    // Rows of background say nothing of the dense ones below them, so growth has a bound until all
+    // were seen: the more the longer paths may be.
+    unseen_most_ = most_cost > 1 ? 4 * kFirst / std::sqrt(most_cost) : kLargest;
+    pixels_ = unseen_ = std::max<std::uint64_t>(pixels, 1);
+    fits_all_ = fits_seen_ = kLargest;
   }
 
-  /// A launch of `work` took `ms`. Grows at most fourfold: a stripe of background says little of
-  /// what comes.
+  /// A launch of `work` took `ms`. What comes next fits the target by this launch, and by the most
+  /// costly one of the last time that the whole picture was gone over. Grows at most fourfold.
   void learn(std::uint64_t work, double ms) {
-    const double wanted = ms > 0 ? static_cast<double>(work) * kTargetMs / ms : kLargest;
-    const double most = 4 * static_cast<double>(work_);
-    work_ = static_cast<std::uint64_t>(std::clamp(wanted, 1.0, std::min(most, kLargest)));
+    const double fits = ms > 0 ? static_cast<double>(work) * kTargetMs / ms : kLargest;
+    fits_seen_ = std::min(fits_seen_, fits);
+    const double most = std::min(4 * static_cast<double>(work_), unseen_most_);
+    work_ = static_cast<std::uint64_t>(
+        std::clamp(std::min(fits, fits_all_), 1.0, std::clamp(most, 1.0, kLargest)));
+    if (work < unseen_) {
+      unseen_ -= work;
+      return;
+    }
+    unseen_ = pixels_;
+    fits_all_ = fits_seen_;
+    fits_seen_ = unseen_most_ = kLargest;
   }
 
   /// Rows of `width` pixels with `samples` each; a multiple of `step`, at least one step.
@@ -37,9 +54,12 @@ class LaunchSize {
   }
 
  private:
-  static constexpr std::uint64_t kFirst = 1 << 18;
+  static constexpr double kFirst = 1 << 18;
   static constexpr double kLargest = 1e12;
-  std::uint64_t work_ = kFirst;
+  std::uint64_t work_ = static_cast<std::uint64_t>(kFirst);
+  std::uint64_t pixels_ = 1, unseen_ = 1;  // of the picture; of it, in this turn
+  double unseen_most_ = kLargest;          // work of a launch, at most, in the first turn
+  double fits_all_ = kLargest, fits_seen_ = kLargest;  // work that fits: the last turn, this one
 };
 
 /// Threads that share a pixel's samples, as a power of two: as many as there are samples, up to

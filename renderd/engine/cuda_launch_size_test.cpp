@@ -32,6 +32,27 @@ TEST(LaunchSize, GrowsAtMostFourfoldAndShrinksAtOnce) {
   EXPECT_EQ(size.work(), 1u);
 }
 
+/// A picture of 2048 x 2048 whose upper half is free and whose lower half is dense: paths of a
+/// thousand collisions. The device takes 1e-3 ms a sample there.
+TEST(LaunchSize, BackgroundDoesNotMakeTheDenseRowsBelowItLong) {
+  constexpr std::uint64_t kHalf = 2048 * 1024;
+  LaunchSize size;
+  size.forget(1024, 2 * kHalf);
+  double longest = 0;
+  int launches = 0;
+  for (int turn = 0; turn < 3; ++turn) {
+    for (std::uint64_t done = 0; done < 2 * kHalf; ++launches) {
+      const std::uint64_t work = size.work();
+      const double ms = 0.01 + (done >= kHalf ? 1e-3 * static_cast<double>(work) : 0.0);
+      longest = std::max(longest, ms);
+      size.learn(work, ms);
+      done += work;
+    }
+  }
+  EXPECT_LE(longest, 5 * LaunchSize::kTargetMs);
+  EXPECT_LE(launches, 3 * 600) << "an eighth of a millisecond is the least that pays";
+}
+
 TEST(LaunchSize, RowsAreWholeStepsAndNeverNone) {
   LaunchSize size;
   size.learn(size.work(), 1e12);
