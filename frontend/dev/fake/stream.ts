@@ -1,7 +1,7 @@
 import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import type { WebSocket } from "ws";
 import { SceneSchema, type Scene } from "../../src/protocol/gen/api/proto/scene_pb";
-import { ClientMessageSchema, Codec, ServerMessageSchema, type ServerMessage } from "../../src/protocol/gen/api/proto/stream_pb";
+import { ClientMessageSchema, Codec, FrameQuality, ServerMessageSchema, type ServerMessage } from "../../src/protocol/gen/api/proto/stream_pb";
 import { draw } from "./picture";
 
 const colours: Record<string, [number, number, number]> = { skin: [0.95, 0.72, 0.6], muscle: [0.8, 0.3, 0.26], vessels: [0.85, 0.25, 0.2], bone: [0.95, 0.92, 0.84] };
@@ -37,7 +37,7 @@ export function serve_stream(socket: WebSocket, session: FakeSession): void {
     const moving = samples <= 2 ? 2 : 1;
     const [width, height] = [Math.round(size.width / moving), Math.round(size.height / moving)];
     const data = draw(session.scene, Math.min(width, 900), Math.min(height, Math.round((900 * height) / width)), samples);
-    say({ case: "frame", value: { $typeName: "diaphane.v1.Frame", codec: Codec.JPEG, key: true, epoch, seq: ++seq, inputSeq: session.input_seq, iteration: BigInt(samples), error: samples < 2 ? Infinity : 0.35 / Math.sqrt(samples), width, height, renderUs: BigInt((Date.now() - begun) * 1000 + 4000), encodeUs: 900n, denoised: samples <= 4, data } });
+    say({ case: "frame", value: { $typeName: "diaphane.v1.Frame", codec: Codec.JPEG, key: true, epoch, seq: ++seq, inputSeq: session.input_seq, iteration: BigInt(samples), error: samples < 2 ? Infinity : 0.35 / Math.sqrt(samples), width, height, renderUs: BigInt((Date.now() - begun) * 1000 + 4000), encodeUs: 900n, denoised: samples <= 4, decoder: "", quality: moving === 1 ? FrameQuality.SETTLED : FrameQuality.MOVING, data } });
     say({ case: "stats", value: { $typeName: "diaphane.v1.Stats", samplesPerSecond: 61.3, sessions: 1, droppedSamples: 0n, framesSkipped: 0n } });
     if (samples >= 2048) say({ case: "state", value: { $typeName: "diaphane.v1.State", epoch, converged: true, lossless: false, biased: false } });
   }, 30);

@@ -39,6 +39,13 @@ describe("the connection", () => {
     }
   });
 
+  it("greets anew over another connection when the page asks for it, and waits for nothing", () => {
+    const again = run([...to_live, { kind: "again" }]);
+    expect(again.effects).toEqual(["close", "ask_ticket", "timer"]);
+    expect(again.state).toMatchObject({ phase: "asking", attempt: 0, trouble: null });
+    expect(run([...to_live.slice(0, 2), { kind: "again" }]).state.phase).toBe("opening"); // it is still to greet
+  });
+
   it("leaves a session that another window took over alone until it is asked to go on here", () => {
     const taken = run([...to_live, { kind: "closed", code: 4409 }]);
     expect(taken.state).toMatchObject({ phase: "elsewhere", trouble: "taken_over" });

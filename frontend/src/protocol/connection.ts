@@ -34,6 +34,7 @@ export type ConnectionEvent =
   | { readonly kind: "picture" }
   | { readonly kind: "closed"; readonly code: number }
   | { readonly kind: "timeout" } // of a wait, or of a step that took too long
+  | { readonly kind: "again" } // this page has reasons of its own to greet anew
   | { readonly kind: "wake" } // the network is back, or the page is looked at again
   | { readonly kind: "stop" };
 
@@ -111,6 +112,11 @@ export function advance(state: ConnectionState, event: ConnectionEvent, spread: 
       if (state.phase === "waiting") return ask(state);
       if (state.phase === "asking" || state.phase === "opening" || state.phase === "greeting") return later("unreachable");
       return stay;
+    case "again": {
+      if (state.phase !== "live") return stay; // the next greeting is still to come
+      const { state: next, effects } = ask(state);
+      return { state: next, effects: [{ kind: "close" }, ...effects] };
+    }
     case "wake":
       return state.phase === "waiting" ? ask(state) : stay;
   }

@@ -6,8 +6,10 @@ import {
   ClientMessageSchema,
   Codec,
   HelloSchema,
+  NeedKeySchema,
   SceneUpdateSchema,
   ServerMessageSchema,
+  StillFormat,
   ViewportSchema,
   VisibilitySchema,
   type ClientMessage,
@@ -15,8 +17,8 @@ import {
 } from "./gen/api/proto/stream_pb";
 import { CameraSchema, SceneSchema, TransferFunctionSchema, Vec3Schema, type Scene } from "./gen/api/proto/scene_pb";
 
-export { Codec };
-export type { Config, Frame, Problem, State, Stats } from "./gen/api/proto/stream_pb";
+export { Codec, StillFormat };
+export type { Config, Frame, Problem, State, Stats, Still } from "./gen/api/proto/stream_pb";
 export type { Preset, Scene } from "./gen/api/proto/scene_pb";
 export type { VolumeHeader } from "./gen/api/proto/volume_pb";
 export type { ServerMessage };
@@ -43,12 +45,19 @@ const encoded = (message: ClientMessage): Bytes => toBinary(ClientMessageSchema,
 /** @throws on bytes that are no ServerMessage. */
 export const decode_server_message = (bytes: Uint8Array): ServerMessage => fromBinary(ServerMessageSchema, bytes);
 
-export function encode_hello(codecs: readonly Codec[], pixel_ratio: number, viewport: Viewport): Bytes {
+/** What this browser can show: each has been tried. */
+export interface Abilities {
+  readonly codecs: readonly Codec[];
+  readonly stills: readonly StillFormat[];
+}
+
+export function encode_hello({ codecs, stills }: Abilities, pixel_ratio: number, viewport: Viewport): Bytes {
   const value = create(HelloSchema, {
     protocol: protocol_version,
     codecs: [...codecs],
     pixelRatio: pixel_ratio,
     viewport: create(ViewportSchema, viewport),
+    stills: [...stills],
   });
   return encoded(create(ClientMessageSchema, { body: { case: "hello", value } }));
 }
@@ -83,6 +92,10 @@ export function encode_ack(seq: bigint, epoch: bigint, times: FrameTimes, queue:
     queue,
   });
   return encoded(create(ClientMessageSchema, { body: { case: "ack", value } }));
+}
+
+export function encode_need_key(): Bytes {
+  return encoded(create(ClientMessageSchema, { body: { case: "needKey", value: create(NeedKeySchema) } }));
 }
 
 export function encode_visibility(visible: boolean): Bytes {

@@ -7,6 +7,7 @@ import {
   ConfigSchema,
   FrameSchema,
   ServerMessageSchema,
+  StillFormat,
   type ClientMessage,
   type ServerMessage,
 } from "./gen/api/proto/stream_pb";
@@ -41,13 +42,14 @@ class World {
           return () => (this.timers = []);
         },
         chance: () => 0.5,
-        codecs: [Codec.JPEG],
+        abilities: { codecs: [Codec.JPEG], stills: [StillFormat.PNG] },
         pixel_ratio: () => 2,
       },
       {
         connection: (state) => this.seen.push(state.phase),
         config: (config) => this.configs.push(config.scene?.camera?.eye?.x),
         frame: () => this.seen.push("frame"),
+        still: () => this.seen.push("still"),
         state: () => undefined,
         stats: () => undefined,
         problem: () => this.seen.push("problem"),
@@ -94,7 +96,7 @@ describe("the stream client", () => {
     world.screen();
     world.sockets[0]?.opened();
     expect(world.sent.map((m) => m.body.case)).toEqual(["hello"]);
-    expect(world.sent[0]?.body.value).toMatchObject({ protocol: 1, codecs: [Codec.JPEG], pixelRatio: 2, viewport: { width: 640 } });
+    expect(world.sent[0]?.body.value).toMatchObject({ protocol: 1, codecs: [Codec.JPEG], stills: [StillFormat.PNG], pixelRatio: 2, viewport: { width: 640 } });
   });
 
   it("sends the newest scene once a screen picture, numbered upwards", async () => {
@@ -192,5 +194,24 @@ describe("the stream client", () => {
     world.client.set_viewport({ width: 800, height: 600 });
     world.screen();
     expect(world.updates()).toEqual([{ seq: 1, x: undefined }]);
+  });
+
+  it("greets with other abilities over a connection of its own, and the worker keeps its scene", async () => {
+    await world.live(1, 0);
+    world.client.set_scene(scene(2));
+    world.screen();
+    world.client.greet_again({ codecs: [Codec.MPEG1], stills: [] });
+    await world.live(2, 1);
+    const greetings = world.sent.flatMap(({ body }) => (body.case === "hello" ? [body.value.codecs] : []));
+    expect(greetings).toEqual([[Codec.JPEG], [Codec.MPEG1]]);
+    expect(world.doors).toBe(2);
+    expect(world.updates()).toEqual([{ seq: 1, x: 2 }]);
+  });
+
+  it("asks for a key frame only where somebody hears it", async () => {
+    world.client.need_key();
+    await world.live();
+    world.client.need_key();
+    expect(world.sent.map((m) => m.body.case)).toEqual(["hello", "needKey"]);
   });
 });

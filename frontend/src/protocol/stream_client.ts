@@ -3,9 +3,10 @@ import {
   decode_server_message,
   encode_ack,
   encode_hello,
+  encode_need_key,
   encode_scene,
   encode_visibility,
-  type Codec,
+  type Abilities,
   type Config,
   type Frame,
   type FrameTimes,
@@ -13,6 +14,7 @@ import {
   type Scene,
   type State,
   type Stats,
+  type Still,
   type Viewport,
 } from "./messages";
 
@@ -41,7 +43,7 @@ export interface Surroundings {
   readonly next_frame: (task: () => void) => void;
   readonly after: (ms: number, task: () => void) => () => void;
   readonly chance: () => number;
-  readonly codecs: readonly Codec[];
+  readonly abilities: Abilities;
   readonly pixel_ratio: () => number;
 }
 
@@ -50,6 +52,7 @@ export interface StreamEvents {
   /** Before any frame of the connection. */
   config(config: Config): void;
   frame(frame: Frame): void;
+  still(still: Still): void;
   state(state: State): void;
   stats(stats: Stats): void;
   problem(problem: Problem): void;
@@ -68,6 +71,7 @@ export class StreamClient {
 
   private scene_: Scene | null = null;
   private viewport_: Viewport;
+  private abilities_: Abilities;
   private visible_ = true;
   private input_seq_ = 0;
   private scene_pending_ = false;
@@ -80,6 +84,7 @@ export class StreamClient {
     viewport: Viewport,
   ) {
     this.viewport_ = viewport;
+    this.abilities_ = around_.abilities;
   }
 
   get connection(): ConnectionState {
@@ -129,8 +134,18 @@ export class StreamClient {
     if (this.state_.phase === "live") this.socket_?.send(encode_visibility(visible));
   }
 
-  /** Owed for each frame, shown or not: the server keeps about two in flight. */
-  ack(frame: Frame, times: FrameTimes, queue: number): void {
+  /** Greets the worker anew with other abilities, over another connection. The scene stays. */
+  greet_again(abilities: Abilities): void {
+    this.abilities_ = abilities;
+    this.happened({ kind: "again" });
+  }
+
+  need_key(): void {
+    if (this.state_.phase === "live") this.socket_?.send(encode_need_key());
+  }
+
+  /** Owed for each frame and still, shown or not: the server keeps about two in flight. */
+  ack(frame: Pick<Frame, "seq" | "epoch">, times: FrameTimes, queue: number): void {
     if (this.state_.phase === "live") this.socket_?.send(encode_ack(frame.seq, frame.epoch, times, queue));
     if (times.presented_ms !== undefined) this.happened({ kind: "picture" });
   }
@@ -187,6 +202,9 @@ export class StreamClient {
       case "frame":
         this.events_.frame(body.value);
         break;
+      case "still":
+        this.events_.still(body.value);
+        break;
       case "state":
         this.events_.state(body.value);
         break;
@@ -218,7 +236,7 @@ export class StreamClient {
         break;
       case "greet":
         this.viewport_pending_ = false; // the greeting says it
-        this.socket_?.send(encode_hello(this.around_.codecs, this.around_.pixel_ratio(), this.viewport_));
+        this.socket_?.send(encode_hello(this.abilities_, this.around_.pixel_ratio(), this.viewport_));
         break;
       case "close":
         this.asking_?.abort();

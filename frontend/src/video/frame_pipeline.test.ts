@@ -1,94 +1,189 @@
 import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
 import { FrameSchema } from "../protocol/gen/api/proto/stream_pb";
-import type { Frame } from "../protocol/messages";
-import { FramePipeline } from "./frame_pipeline";
+import { Codec, type Frame } from "../protocol/messages";
+import { forgotten_after, FramePipeline, longest_queue, most_failures } from "./frame_pipeline";
 
-const frame = (seq: number, epoch: number): Frame => create(FrameSchema, { seq: BigInt(seq), epoch: BigInt(epoch) });
+const jpeg = (seq: number, epoch = 1): Frame => create(FrameSchema, { codec: Codec.JPEG, key: true, seq: BigInt(seq), epoch: BigInt(epoch) });
+const h264 = (seq: number, epoch = 1, key = seq === 1): Frame =>
+  create(FrameSchema, { codec: Codec.H264, key, seq: BigInt(seq), epoch: BigInt(epoch) });
 
+/** Decoders by hand: a frame is decoded when the test says so. */
 class Bench {
   shown: number[] = [];
   acks = new Map<number, "dropped" | "decoded" | "shown">();
+  queues: number[] = [];
   closed = 0;
-  private pending: { frame: Frame; done: (ok: boolean) => void }[] = [];
+  keys_asked = 0;
+  given_up: Codec[] = [];
+  made = 0;
+  fed: number[] = [];
+  private pending: { resolve: (picture: { close: () => void }) => void; reject: (why: Error) => void }[] = [];
   readonly pipeline = new FramePipeline({
-    decode: (f) =>
-      new Promise<{ width: number; height: number; close: () => void }>((resolve, reject) => {
-        this.pending.push({
-          frame: f,
-          done: (ok) => {
-            if (ok) resolve({ width: 1, height: 1, close: () => (this.closed += 1) });
-            else reject(new Error("damaged"));
-          },
-        });
-      }),
+    make_decoder: (codec) => {
+      if (codec === Codec.MPEG1) return null;
+      this.made += 1;
+      const own = new Set<(why: Error) => void>();
+      return {
+        independent: codec === Codec.JPEG,
+        decode: (frame) =>
+          new Promise<{ close: () => void }>((resolve, reject) => {
+            this.fed.push(Number(frame.seq));
+            this.pending.push({ resolve, reject });
+            own.add(reject);
+          }),
+        close: () => {
+          for (const reject of own) reject(new Error("closed"));
+        },
+      };
+    },
     present: (_picture, f) => this.shown.push(Number(f.seq)),
-    ack: (f, times) => {
+    ack: (f, times, queue) => {
       const seq = Number(f.seq);
       expect(this.acks.has(seq)).toBe(false);
       this.acks.set(seq, times.presented_ms !== undefined ? "shown" : times.decoded_ms !== undefined ? "decoded" : "dropped");
+      this.queues.push(queue);
     },
+    need_key: () => (this.keys_asked += 1),
+    give_up: (codec) => this.given_up.push(codec),
     now_ms: () => 1,
   });
+
   async decoded(ok = true): Promise<void> {
-    this.pending.shift()?.done(ok);
+    const next = this.pending.shift();
+    if (ok) next?.resolve({ close: () => (this.closed += 1) });
+    else next?.reject(new Error("damaged"));
+    await this.rest();
+  }
+  async rest(): Promise<void> {
     await new Promise((resolve) => setTimeout(resolve, 0));
+  }
+  async given(frame: Frame, ok = true): Promise<void> {
+    this.pipeline.receive(frame);
+    await this.decoded(ok);
   }
 }
 
-describe("the way of a frame", () => {
+describe("the way of a frame that stands alone", () => {
   it("shows what comes, acknowledges each once and frees each picture", async () => {
     const bench = new Bench();
-    for (const seq of [1, 2]) {
-      bench.pipeline.receive(frame(seq, 1));
-      await bench.decoded();
-    }
+    for (const seq of [1, 2]) await bench.given(jpeg(seq));
     expect(bench.shown).toEqual([1, 2]);
     expect([...bench.acks.values()]).toEqual(["shown", "shown"]);
     expect(bench.closed).toBe(2);
   });
 
-  it("a slow device shows the newest and skips what lies between", async () => {
+  it("of frames that come while one is decoded only the newest waits", async () => {
     const bench = new Bench();
-    for (const seq of [1, 2, 3, 4]) bench.pipeline.receive(frame(seq, 1));
+    for (const seq of [1, 2, 3, 4]) bench.pipeline.receive(jpeg(seq));
     await bench.decoded();
     await bench.decoded();
     expect(bench.shown).toEqual([1, 4]);
     expect(bench.acks.get(2)).toBe("dropped");
-    expect(bench.acks.get(3)).toBe("dropped");
+    expect(bench.acks.size).toBe(4);
   });
 
-  it("never shows a frame of an older epoch, whether it comes late or was being decoded", async () => {
+  it("is never shown after one of a newer epoch", async () => {
     const bench = new Bench();
-    bench.pipeline.receive(frame(1, 1));
-    bench.pipeline.receive(frame(2, 2));
-    bench.pipeline.receive(frame(3, 1));
-    await bench.decoded();
-    await bench.decoded();
-    expect(bench.shown).toEqual([2]);
-    expect(bench.acks.get(1)).toBe("decoded");
-    expect(bench.acks.get(3)).toBe("dropped");
+    await bench.given(jpeg(1, 2));
+    await bench.given(jpeg(2, 1));
+    expect(bench.shown).toEqual([1]);
+    expect(bench.acks.get(2)).toBe("decoded");
   });
 
-  it("a damaged frame is acknowledged and the next one shown", async () => {
+  it("is shown although newer ones come faster than they can be decoded", async () => {
     const bench = new Bench();
-    bench.pipeline.receive(frame(1, 1));
-    bench.pipeline.receive(frame(2, 1));
+    bench.pipeline.receive(jpeg(1, 1));
+    for (let seq = 2; seq < 8; seq++) {
+      bench.pipeline.receive(jpeg(seq, seq)); // each answers a newer input
+      await bench.decoded();
+    }
+    expect(bench.shown).toEqual([1, 2, 3, 4, 5, 6]);
+  });
+
+  it("is replaced by the next one where it is damaged", async () => {
+    const bench = new Bench();
+    bench.pipeline.receive(jpeg(1));
+    bench.pipeline.receive(jpeg(2));
     await bench.decoded(false);
     await bench.decoded();
     expect(bench.shown).toEqual([2]);
     expect(bench.acks.get(1)).toBe("dropped");
+    expect(bench.keys_asked).toBe(0);
   });
 
   it("after a reconnection epochs begin anew and nothing of before is shown", async () => {
     const bench = new Bench();
-    bench.pipeline.receive(frame(9, 50));
+    bench.pipeline.receive(jpeg(9, 50));
     bench.pipeline.reset();
-    bench.pipeline.receive(frame(1, 1));
+    bench.pipeline.receive(jpeg(1, 1));
     await bench.decoded();
     await bench.decoded();
     expect(bench.shown).toEqual([1]);
     expect(bench.acks.has(9)).toBe(false);
-    expect(bench.closed).toBe(2);
+  });
+});
+
+describe("the way of a frame that builds on others", () => {
+  it("no frame is left out before the decoder, whatever else waits", async () => {
+    const bench = new Bench();
+    for (const seq of [1, 2, 3]) bench.pipeline.receive(h264(seq, seq));
+    expect(bench.fed).toEqual([1, 2, 3]);
+    for (let n = 0; n < 3; n++) await bench.decoded();
+    expect(bench.acks.size).toBe(3);
+    expect(bench.queues).toEqual([2, 1, 0]);
+  });
+
+  it("a queue that grows is left out up to the next key frame, which is asked for once", async () => {
+    const bench = new Bench();
+    for (let seq = 1; seq <= longest_queue + 3; seq++) bench.pipeline.receive(h264(seq));
+    await bench.rest();
+    expect(bench.keys_asked).toBe(1);
+    expect(bench.fed).toEqual([1, 2, 3]);
+    expect([...bench.acks.values()].every((how) => how === "dropped")).toBe(true);
+    expect(bench.acks.size).toBe(longest_queue + 3);
+    bench.pipeline.receive(h264(7, 1, true));
+    bench.pipeline.receive(h264(8));
+    expect(bench.fed).toEqual([1, 2, 3, 7, 8]);
+    expect(bench.made).toBe(2);
+  });
+
+  it("a decoder that fails is replaced, and a key frame begins anew", async () => {
+    const bench = new Bench();
+    await bench.given(h264(1));
+    await bench.given(h264(2), false);
+    expect(bench.keys_asked).toBe(1);
+    bench.pipeline.receive(h264(3));
+    expect(bench.fed).toEqual([1, 2]);
+    await bench.given(h264(4, 1, true));
+    expect(bench.shown).toEqual([1, 4]);
+    expect(bench.made).toBeGreaterThan(1);
+    expect(bench.given_up).toEqual([]);
+  });
+
+  it("a codec that fails for the third time in a row is given up", async () => {
+    const bench = new Bench();
+    for (let n = 1; n <= most_failures; n++) {
+      expect(bench.given_up).toEqual([]);
+      await bench.given(h264(2 * n, 1, true)); // the key frames do not hide that all others fail
+      await bench.given(h264(2 * n + 1), false);
+    }
+    expect(bench.given_up).toEqual([Codec.H264]);
+  });
+
+  it("failures far from each other are forgiven", async () => {
+    const bench = new Bench();
+    for (let n = 0, seq = 1; n < 2 * most_failures; n++) {
+      for (let m = 0; m < forgotten_after; m++) await bench.given(h264(seq++, 1, m === 0));
+      await bench.given(h264(seq++), false);
+    }
+    expect(bench.given_up).toEqual([]);
+  });
+
+  it("a codec that is not known here is given up too", () => {
+    const bench = new Bench();
+    for (let seq = 1; seq <= most_failures; seq++) bench.pipeline.receive(create(FrameSchema, { codec: Codec.MPEG1, seq: BigInt(seq) }));
+    expect(bench.given_up).toEqual([Codec.MPEG1]);
+    expect(bench.acks.size).toBe(most_failures);
   });
 });

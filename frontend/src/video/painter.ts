@@ -1,4 +1,6 @@
 import type { Viewport } from "../protocol/messages";
+import type { TilePixels } from "./lossless_end";
+import type { Picture } from "./picture";
 
 /** Draws frames into a canvas of device pixels. A frame may be smaller (moving) or of an older shape (resizing). */
 export class Painter {
@@ -21,8 +23,15 @@ export class Painter {
     this.draw(shown, width, height);
   }
 
-  paint(picture: ImageBitmap): void {
-    this.draw(picture, picture.width, picture.height);
+  paint(picture: Picture): void {
+    this.draw(picture.image, picture.width, picture.height);
+  }
+
+  /** Pixel by pixel, or not at all: false when the picture is not of the canvas's own size. */
+  paint_exactly(tiles: readonly TilePixels[], size: Viewport): boolean {
+    if (size.width !== this.canvas_.width || size.height !== this.canvas_.height) return false;
+    for (const { x, y, width, height, rgba } of tiles) this.context_.putImageData(new ImageData(rgba, width, height), x, y);
+    return true;
   }
 
   png(): Promise<Blob | null> {

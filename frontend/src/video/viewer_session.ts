@@ -11,6 +11,7 @@ import {
   same_look,
   with_camera,
   within_bounds,
+  type Abilities,
   type Codec,
   type Config,
   type Frame,
@@ -20,9 +21,15 @@ import {
   type VolumeHeader,
 } from "../protocol/messages";
 import { StreamClient } from "../protocol/stream_client";
+import { t } from "../texts/en";
+import { SizeTeller } from "./canvas_size";
 import { FramePipeline } from "./frame_pipeline";
-import { decode_jpeg } from "./jpeg";
+import { make_decoder } from "./ladder";
+import { LosslessEnd, type LosslessFacts } from "./lossless_end";
 import type { Painter } from "./painter";
+import type { Picture } from "./picture";
+import { sha256 } from "./sha256";
+import { decode_still } from "./tile_pixels";
 import { remember_view, remembered_view } from "./view_memory";
 
 /** What is known of the picture on the screen. */
@@ -54,6 +61,8 @@ export class ViewerSession {
   readonly picture = signal<PictureFacts | null>(null);
   readonly curve = signal<readonly ErrorPoint[]>([]);
   readonly converged = signal(false);
+  /** The picture on the screen is the renderer's own, pixel by pixel: each tile has been checked. */
+  readonly lossless = signal<LosslessFacts | null>(null);
   readonly samples_per_second = signal(0);
   readonly device = signal("");
   readonly volume = signal<VolumeHeader | null>(null);
@@ -63,7 +72,9 @@ export class ViewerSession {
   readonly problem = signal("");
 
   private readonly client_: StreamClient;
-  private readonly pipeline_: FramePipeline<ImageBitmap>;
+  private readonly pipeline_: FramePipeline<Picture>;
+  private readonly lossless_end_: LosslessEnd;
+  private readonly size_teller_: SizeTeller;
   private session_id_: string | null;
   private viewport_: Viewport;
   private converged_epoch_ = -1;
@@ -74,29 +85,35 @@ export class ViewerSession {
     readonly data_set_id: string,
     private readonly painter_: Painter,
     size: Viewport,
-    codecs: readonly Codec[],
+    private abilities_: Abilities,
   ) {
     const before = remembered_view(sessionStorage, data_set_id);
     this.session_id_ = before.session_id;
     this.viewport_ = within_bounds(size, longest_side);
     this.painter_.resize(this.viewport_);
+    const after = (ms: number, task: () => void) => {
+      const timer = setTimeout(task, ms);
+      return () => clearTimeout(timer);
+    };
+    const now_ms = () => performance.now();
     this.client_ = new StreamClient(
       {
         door: session_door(api_, data_set_id, before.session_id, (id) => (this.session_id_ = id)),
         open_socket: open_browser_socket,
         next_frame: (task) => requestAnimationFrame(task),
-        after: (ms, task) => {
-          const timer = setTimeout(task, ms);
-          return () => clearTimeout(timer);
-        },
+        after,
         chance: Math.random,
-        codecs,
+        abilities: this.abilities_,
         pixel_ratio: () => devicePixelRatio,
       },
       {
         connection: (state) => (this.connection.value = state),
         config: (config) => this.configured(config),
-        frame: (frame) => this.pipeline_.receive(frame),
+        frame: (frame) => {
+          this.lossless_end_.epoch_is(frame.epoch);
+          this.pipeline_.receive(frame);
+        },
+        still: (still) => void this.lossless_end_.receive(still),
         state: (state) => {
           this.converged_epoch_ = state.converged ? Number(state.epoch) : -1;
           this.converged.value = this.converged_epoch_ === this.picture.value?.epoch;
@@ -106,12 +123,27 @@ export class ViewerSession {
       },
       this.viewport_,
     );
-    this.pipeline_ = new FramePipeline<ImageBitmap>({
-      decode: decode_jpeg,
+    this.pipeline_ = new FramePipeline<Picture>({
+      make_decoder,
       present: (picture, frame) => this.present(picture, frame),
       ack: (frame, times, queue) => this.client_.ack(frame, times, queue),
-      now_ms: () => performance.now(),
+      need_key: () => this.client_.need_key(),
+      give_up: (codec) => this.give_up(codec),
+      now_ms,
     });
+    this.lossless_end_ = new LosslessEnd({
+      decode: decode_still,
+      sha256,
+      show: (tiles, facts) => {
+        const shown = this.painter_.paint_exactly(tiles, facts);
+        if (shown) this.present_lossless(facts);
+        return shown;
+      },
+      damaged: () => (this.problem.value = t.viewer.tile_damaged),
+      ack: (still, times, queue) => this.client_.ack(still, times, queue),
+      now_ms,
+    });
+    this.size_teller_ = new SizeTeller(this.viewport_, (told) => this.client_.set_viewport(told), { now_ms, after });
     if (before.scene) {
       this.client_.remember(before.scene, before.input_seq);
       this.scene.value = before.scene;
@@ -129,6 +161,8 @@ export class ViewerSession {
     this.session_id_ = null;
     this.remember();
     this.client_.stop();
+    this.size_teller_.stop();
+    this.pipeline_.close();
     if (id !== null) void this.api_.end_session(id).catch(() => undefined);
   }
 
@@ -144,7 +178,7 @@ export class ViewerSession {
   resize(size: Viewport): void {
     this.viewport_ = within_bounds(size, longest_side);
     this.painter_.resize(this.viewport_);
-    this.client_.set_viewport(this.viewport_);
+    this.size_teller_.changed(this.viewport_);
   }
 
   act(gesture: Gesture): void {
@@ -200,6 +234,7 @@ export class ViewerSession {
 
   private configured(config: Config): void {
     this.pipeline_.reset();
+    this.lossless_end_.reset();
     this.converged_epoch_ = -1;
     this.device.value = config.device;
     this.volume.value = config.volume ?? null;
@@ -211,8 +246,24 @@ export class ViewerSession {
     this.remember_soon();
   }
 
-  private present(bitmap: ImageBitmap, frame: Frame): void {
-    this.painter_.paint(bitmap);
+  /** The next codec of the ladder; the last one is kept, whatever it does. */
+  private give_up(codec: Codec): void {
+    const codecs = this.abilities_.codecs.filter((one) => one !== codec);
+    if (codecs.length === 0) return;
+    this.abilities_ = { ...this.abilities_, codecs };
+    this.client_.greet_again(this.abilities_);
+  }
+
+  private present_lossless(facts: LosslessFacts): void {
+    const before = this.picture.value;
+    if (before) this.picture.value = { ...before, samples: facts.samples, error: facts.error, width: facts.width, height: facts.height, smoothed: false };
+    this.lossless.value = facts;
+  }
+
+  private present(picture: Picture, frame: Frame): void {
+    if (this.lossless_end_.shows(frame.epoch)) return;
+    this.painter_.paint(picture);
+    this.lossless.value = null;
     const before = this.picture.value;
     const facts: PictureFacts = {
       epoch: Number(frame.epoch),

@@ -20,13 +20,14 @@ export function QualityPanel({ session }: { readonly session: ViewerSession }) {
     set_open(!open);
   };
   const error = Number.isFinite(facts.error) ? t.viewer.percent(facts.error) : t.viewer.error_unknown;
+  const lossless = session.lossless.value ? t.viewer.lossless(session.lossless.value.samples) : "";
   const rate = session.samples_per_second.value;
   const speed = rate > 0 && !session.converged.value ? t.viewer.per_second(rate) : "";
   if (!open)
     return (
-      <button type="button" class="glass quality-chip" aria-label={`${t.viewer.quality_open}: ${error}`} aria-expanded={false} onClick={toggle}>
+      <button type="button" class="glass quality-chip" aria-label={`${t.viewer.quality_open}: ${lossless || error}`} aria-expanded={false} onClick={toggle}>
         <Icon name="chart" />
-        <span>{error}</span>
+        <span>{lossless || error}</span>
       </button>
     );
   return (
@@ -34,11 +35,11 @@ export function QualityPanel({ session }: { readonly session: ViewerSession }) {
       <div class="quality-head">
         <h2>{t.viewer.quality}</h2>
         <span
-          class={`chip${session.converged.value ? " chip-good" : ""}`}
+          class={`chip${session.converged.value || lossless ? " chip-good" : ""}`}
           data-fact="state"
-          title={facts.smoothed && !session.converged.value ? t.viewer.smoothed_help : undefined}
+          title={lossless ? t.viewer.lossless_help : facts.smoothed && !session.converged.value ? t.viewer.smoothed_help : undefined}
         >
-          {session.converged.value ? t.viewer.finished : facts.smoothed ? t.viewer.smoothed : t.viewer.refining}
+          {lossless ? lossless : session.converged.value ? t.viewer.finished : facts.smoothed ? t.viewer.smoothed : t.viewer.refining}
         </span>
         <button type="button" class="icon-button" aria-label={t.close} title={t.close} aria-expanded onClick={toggle}><Icon name="close" /></button>
       </div>

@@ -2,10 +2,11 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { DataSet } from "../../api/types";
 import { attach_gestures } from "../../input/attach";
 import { command_of, type KeyCommand } from "../../input/keys";
-import type { Viewport } from "../../protocol/messages";
 import { t } from "../../texts/en";
-import { probe_codecs } from "../../video/jpeg";
+import { device_pixels, watch_device_pixels } from "../../video/canvas_size";
+import { chosen_codecs, probe_codecs } from "../../video/ladder";
 import { Painter } from "../../video/painter";
+import { probe_stills } from "../../video/tile_pixels";
 import { ViewerSession } from "../../video/viewer_session";
 import { Icon } from "../icons";
 import { Link } from "../router";
@@ -41,13 +42,13 @@ export function Viewer({ data_set_id }: { readonly data_set_id: string }) {
     if (!element) return;
     const leaving = new AbortController();
     let opened: ViewerSession | null = null;
-    void probe_codecs().then((codecs) => {
+    void Promise.all([probe_codecs(chosen_codecs(localStorage)), probe_stills()]).then(([codecs, stills]) => {
       if (leaving.signal.aborted) return;
       if (codecs.length === 0) {
         set_fault(t.viewer.no_codec);
         return;
       }
-      opened = new ViewerSession(app.api, data_set_id, new Painter(element), device_pixels(element), codecs);
+      opened = new ViewerSession(app.api, data_set_id, new Painter(element), device_pixels(element), { codecs, stills });
       connect_page(opened, element, leaving.signal);
       opened.start();
       set_session(opened);
@@ -139,7 +140,9 @@ export function Viewer({ data_set_id }: { readonly data_set_id: string }) {
 function facts_of(session: ViewerSession | null): Record<string, string> {
   const facts = session?.picture.value;
   if (!facts) return {};
+  const lossless = session.lossless.value;
   return {
+    ...(lossless ? { "data-lossless": String(lossless.samples) } : {}),
     "data-epoch": String(facts.epoch),
     "data-input-seq": String(facts.input_seq),
     "data-samples": String(facts.samples),
@@ -147,17 +150,10 @@ function facts_of(session: ViewerSession | null): Record<string, string> {
   };
 }
 
-function device_pixels(element: HTMLElement): Viewport {
-  const ratio = devicePixelRatio;
-  return { width: Math.round(element.clientWidth * ratio), height: Math.round(element.clientHeight * ratio) };
-}
-
 /** Ties a session to what happens to the page and to hands on the picture. */
 function connect_page(session: ViewerSession, element: HTMLCanvasElement, signal: AbortSignal): void {
   attach_gestures(element, (gesture) => session.act(gesture), signal);
-  const observer = new ResizeObserver(() => session.resize(device_pixels(element)));
-  observer.observe(element);
-  signal.addEventListener("abort", () => observer.disconnect());
+  watch_device_pixels(element, (size) => session.resize(size), signal);
   document.addEventListener("visibilitychange", () => session.set_visible(!document.hidden), { signal });
   addEventListener("online", () => session.wake(), { signal });
   addEventListener("pagehide", () => session.remember(), { signal });

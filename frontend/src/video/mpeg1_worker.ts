@@ -1,0 +1,55 @@
+import JSMpeg, { type Mpeg1Video } from "@cycjimmy/jsmpeg-player";
+import { yuv_to_rgba } from "./yuv";
+
+/** MPEG-1 in software, beside the page's own thread. One answer for each order, in order. */
+
+export interface Mpeg1Order {
+  readonly key: boolean;
+  readonly data: Uint8Array<ArrayBuffer>;
+  readonly width: number;
+  readonly height: number;
+}
+/** Nothing: it could not be decoded. */
+export type Mpeg1Answer = ImageBitmap | null;
+
+// jsmpeg asks `window` for its clock.
+(globalThis as { window?: unknown }).window ??= globalThis;
+
+/** A key frame of the largest picture; what does not fit is lost. */
+const buffer_bytes = 8 << 20;
+/** A picture comes after a sequence header and a group header at most. */
+const most_start_codes = 4;
+
+let decoder: Mpeg1Video | null = null;
+/** What `render` fills. */
+const target: { rgba: Uint8ClampedArray<ArrayBuffer> | null; width: number; height: number } = { rgba: null, width: 0, height: 0 };
+
+function new_decoder(): Mpeg1Video {
+  const made = new JSMpeg.Decoder.MPEG1Video({ streaming: true, videoBufferSize: buffer_bytes });
+  made.connect({
+    resize: () => undefined,
+    render: (y, cr, cb) => {
+      target.rgba = new Uint8ClampedArray(4 * target.width * target.height);
+      yuv_to_rgba(y, cr, cb, made.codedWidth, target.width, target.height, target.rgba);
+    },
+  });
+  return made;
+}
+
+async function decode(order: Mpeg1Order): Promise<Mpeg1Answer> {
+  // jsmpeg reads the sequence header of its first picture only.
+  if (order.key) decoder = new_decoder();
+  if (!decoder) return null;
+  Object.assign(target, { rgba: null, width: order.width, height: order.height });
+  decoder.write(0, order.data);
+  for (let n = 0; n < most_start_codes && !target.rgba; n++) decoder.decode();
+  return target.rgba && createImageBitmap(new ImageData(target.rgba, order.width, order.height));
+}
+
+let before = Promise.resolve();
+onmessage = ({ data }: MessageEvent<Mpeg1Order>) => {
+  before = before.then(async () => {
+    const answer = await decode(data).catch(() => null);
+    postMessage(answer, { transfer: answer ? [answer] : [] });
+  });
+};

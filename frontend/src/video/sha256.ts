@@ -1,0 +1,7 @@
+/** By the browser where it offers it (a secure context), else in software, loaded only then. */
+export async function sha256(bytes: Uint8Array<ArrayBuffer>): Promise<Uint8Array> {
+  const subtle = (globalThis.crypto as Crypto | undefined)?.subtle;
+  if (subtle) return new Uint8Array(await subtle.digest("SHA-256", bytes));
+  const { sha256: in_software } = await import("@noble/hashes/sha2.js");
+  return in_software(bytes);
+}
