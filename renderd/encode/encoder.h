@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,13 +18,15 @@ enum class Quality {
 
 struct EncodeRequest {
   Quality quality = Quality::kMoving;
-  bool key = false;  ///< the next frame must be decodable without any before it
+  bool key = false;              ///< it must be decodable without any before it
+  std::uint32_t most_bytes = 0;  ///< about so many, however it looks; 0: as many as it needs
 };
 
 struct CodedFrame {
   diaphane::v1::Codec codec = diaphane::v1::CODEC_UNSPECIFIED;
   bool key = true;
   std::string data;
+  std::string decoder;  ///< H264, of a key frame: what its decoder is configured with (RFC 6381)
 };
 
 /// Codes the pictures of one session, in order. It may keep state between pictures (a video codec's
@@ -33,6 +36,13 @@ class Encoder {
   virtual ~Encoder() = default;
   virtual Result<CodedFrame> encode(const PictureRgb8& picture, const EncodeRequest& request) = 0;
 };
+
+/// kInternal when the pixels are not those of its size.
+Result<void> check_picture(const PictureRgb8& picture);
+
+/// Whether this process has it. Of H.264 the first call tries the encoders out, for some
+/// milliseconds.
+bool can_encode(diaphane::v1::Codec codec);
 
 /// kUnsupported for a codec that this program does not have.
 Result<std::unique_ptr<Encoder>> make_encoder(diaphane::v1::Codec codec);

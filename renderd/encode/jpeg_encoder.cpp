@@ -2,6 +2,8 @@
 
 #include <turbojpeg.h>
 
+#include <algorithm>
+
 namespace diaphane::render {
 namespace {
 
@@ -12,17 +14,42 @@ struct FreeBuffer {
   void operator()(unsigned char* data) const { tjFree(data); }
 };
 
+constexpr int kMovingQuality = 80;
+constexpr int kSettledQuality = 95;
+constexpr int kLowestQuality = 25;
+
+// libjpeg scales its tables by 5000 / quality below 50 and by 200 - 2 quality above; bytes fall
+// about as that scale rises.
+int lower_quality(int quality, std::size_t bytes, std::size_t most) {
+  const double scale = quality < 50 ? 5000.0 / quality : 200.0 - 2 * quality;
+  const double wanted = scale * 1.3 * static_cast<double>(bytes) / static_cast<double>(most);
+  const double next = wanted > 100 ? 5000 / wanted : (200 - wanted) / 2;
+  return std::max(kLowestQuality, std::min(quality - 5, static_cast<int>(next)));
+}
+
 class JpegEncoder final : public Encoder {
  public:
   explicit JpegEncoder(tjhandle handle) : handle_(handle) {}
 
   Result<CodedFrame> encode(const PictureRgb8& picture, const EncodeRequest& request) override {
-    const Canvas size = picture.size;
-    if (size.width == 0 || size.height == 0 ||
-        picture.pixels.size() != std::size_t{3} * size.width * size.height) {
-      return fail(ErrorCode::kInternal, "A picture does not have the size that it says.");
-    }
+    if (const auto sound = check_picture(picture); !sound) return tl::unexpected(sound.error());
     const bool settled = request.quality == Quality::kSettled;
+    // What fitted last time, and a little more: seldom coded twice, and soon as good as it may be.
+    int& last = settled ? settled_quality_ : moving_quality_;
+    const int best = settled ? kSettledQuality : kMovingQuality;
+    for (int quality = request.most_bytes == 0 ? best : std::min(best, last + 3);;) {
+      auto coded = encode_at(picture, quality, settled);
+      last = quality;
+      const bool fits =
+          !coded || request.most_bytes == 0 || coded->data.size() <= request.most_bytes;
+      if (fits || quality <= kLowestQuality) return coded;
+      quality = lower_quality(quality, coded->data.size(), request.most_bytes);
+    }
+  }
+
+ private:
+  Result<CodedFrame> encode_at(const PictureRgb8& picture, int quality, bool settled) {
+    const Canvas size = picture.size;
     const int chroma = settled ? TJSAMP_444 : TJSAMP_420;
     const int width = static_cast<int>(size.width);
     const int height = static_cast<int>(size.height);
@@ -36,16 +63,17 @@ class JpegEncoder final : public Encoder {
     unsigned long bytes = capacity_;
     const int flags = TJFLAG_NOREALLOC | (settled ? TJFLAG_ACCURATEDCT : TJFLAG_FASTDCT);
     if (tjCompress2(handle_.get(), picture.pixels.data(), width, 0, height, TJPF_RGB, &data, &bytes,
-                    chroma, settled ? 95 : 80, flags) != 0) {
+                    chroma, quality, flags) != 0) {
       return fail(ErrorCode::kInternal, "A picture could not be coded.");
     }
-    return CodedFrame{v1::JPEG, true, std::string(reinterpret_cast<const char*>(data), bytes)};
+    return CodedFrame{v1::JPEG, true, std::string(reinterpret_cast<const char*>(data), bytes), {}};
   }
 
- private:
   std::unique_ptr<void, FreeHandle> handle_;
   std::unique_ptr<unsigned char, FreeBuffer> buffer_;
   unsigned long capacity_ = 0;
+  int moving_quality_ = kMovingQuality;
+  int settled_quality_ = kSettledQuality;
 };
 
 }  // namespace
@@ -54,11 +82,6 @@ Result<std::unique_ptr<Encoder>> make_jpeg_encoder() {
   const tjhandle handle = tjInitCompress();
   if (!handle) return fail(ErrorCode::kOutOfMemory, "No memory for a JPEG encoder.");
   return std::make_unique<JpegEncoder>(handle);
-}
-
-Result<std::unique_ptr<Encoder>> make_encoder(v1::Codec codec) {
-  if (codec == v1::JPEG) return make_jpeg_encoder();
-  return fail(ErrorCode::kUnsupported, "This server does not have that picture format.");
 }
 
 }  // namespace diaphane::render

@@ -1,0 +1,83 @@
+#include "renderd/encode/ffmpeg.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace diaphane::render::ffmpeg {
+
+std::string error_text(int error) {
+  char text[AV_ERROR_MAX_STRING_SIZE] = {};
+  av_strerror(error, text, sizeof text);
+  return text;
+}
+
+Canvas even(Canvas size) { return {(size.width + 1) / 2 * 2, (size.height + 1) / 2 * 2}; }
+
+Result<void> YuvConverter::prepare(Canvas size) {
+  if (frame_ && size == size_) {
+    // The encoder may still hold a reference to the planes.
+    if (av_frame_make_writable(frame_.get()) < 0) {
+      return fail(ErrorCode::kOutOfMemory, "No memory to code a picture.");
+    }
+    return {};
+  }
+  const int width = static_cast<int>(size.width);
+  const int height = static_cast<int>(size.height);
+  Frame frame(av_frame_alloc());
+  scaler_.reset(sws_getContext(width, height, AV_PIX_FMT_RGB24, width, height, AV_PIX_FMT_YUV420P,
+                               SWS_AREA | SWS_ACCURATE_RND, nullptr, nullptr, nullptr));
+  if (!frame || !scaler_) return fail(ErrorCode::kOutOfMemory, "No memory to code a picture.");
+  const bool bt709 = matrix_ == Matrix::kBt709;
+  const int* matrix = sws_getCoefficients(bt709 ? SWS_CS_ITU709 : SWS_CS_ITU601);
+  sws_setColorspaceDetails(scaler_.get(), matrix, 1, matrix, 0, 0, 1 << 16, 1 << 16);
+  frame->format = AV_PIX_FMT_YUV420P;
+  frame->width = width;
+  frame->height = height;
+  frame->color_range = AVCOL_RANGE_MPEG;
+  frame->colorspace = bt709 ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M;
+  if (av_frame_get_buffer(frame.get(), 0) < 0) {
+    return fail(ErrorCode::kOutOfMemory, "No memory to code a picture.");
+  }
+  frame_ = std::move(frame);
+  size_ = size;
+  return {};
+}
+
+Result<AVFrame*> YuvConverter::convert(const PictureRgb8& picture) {
+  const Canvas from = picture.size;
+  const Canvas to = even(from);
+  if (const auto ready = prepare(to); !ready) return tl::unexpected(ready.error());
+  const std::uint8_t* pixels = picture.pixels.data();
+  const std::size_t row = std::size_t{3} * from.width;
+  const std::size_t stride = std::size_t{3} * to.width;
+  if (to != from) {
+    padded_.resize(stride * to.height);
+    for (std::size_t y = 0; y < to.height; ++y) {
+      std::uint8_t* out = padded_.data() + stride * y;
+      std::memcpy(out, pixels + row * std::min<std::size_t>(y, from.height - 1), row);
+      if (stride > row) std::memcpy(out + row, out + row - 3, 3);
+    }
+    pixels = padded_.data();
+  }
+  const std::uint8_t* const planes[] = {pixels};
+  const int strides[] = {static_cast<int>(stride)};
+  sws_scale(scaler_.get(), planes, strides, 0, static_cast<int>(to.height), frame_->data,
+            frame_->linesize);
+  return frame_.get();
+}
+
+Result<std::string> code(AVCodecContext& context, const AVFrame& frame, AVPacket& packet,
+                         bool& key) {
+  int result = avcodec_send_frame(&context, &frame);
+  if (result >= 0) result = avcodec_receive_packet(&context, &packet);
+  if (result < 0) {
+    return fail(ErrorCode::kInternal, "A picture could not be coded: " + error_text(result) + ".");
+  }
+  std::string data(reinterpret_cast<const char*>(packet.data),
+                   static_cast<std::size_t>(packet.size));
+  key = (packet.flags & AV_PKT_FLAG_KEY) != 0;
+  av_packet_unref(&packet);
+  return data;
+}
+
+}  // namespace diaphane::render::ffmpeg

@@ -1,0 +1,164 @@
+#include "renderd/encode/h264_encoder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderd/encode/ffmpeg.h"
+#include "renderd/encode/h264_stream.h"
+
+namespace diaphane::render {
+namespace {
+
+// Frames have no duration here: the bound is bytes a frame, which FFmpeg is told as a rate.
+constexpr int kFramesPerSecond = 30;
+constexpr std::int64_t kUnbounded = std::int64_t{1} << 22;  // bytes; more than any settled 4K frame
+constexpr std::int64_t kFewestBytes = 1024;                 // below it headers are all there is
+constexpr double kMovingRateFactor = 25;
+constexpr double kSettledRateFactor = 17;
+
+std::int64_t bound(const EncodeRequest& request) {
+  if (request.most_bytes == 0) return kUnbounded;
+  return std::clamp<std::int64_t>(request.most_bytes, kFewestBytes, kUnbounded);
+}
+
+class H264Encoder final : public Encoder {
+ public:
+  H264Encoder(H264Device device, const AVCodec* codec, ffmpeg::Packet packet)
+      : device_(device), codec_(codec), packet_(std::move(packet)) {}
+
+  Result<CodedFrame> encode(const PictureRgb8& picture, const EncodeRequest& request) override {
+    if (const auto sound = check_picture(picture); !sound) return tl::unexpected(sound.error());
+    const Canvas size = ffmpeg::even(picture.size);
+    const bool open = !context_ || size != size_;
+    if (open) {
+      if (const auto done = start(size, request); !done) return tl::unexpected(done.error());
+    } else if (const auto done = set_bound(request); !done) {
+      return tl::unexpected(done.error());
+    }
+    auto converted = converter_.convert(picture);
+    if (!converted) return tl::unexpected(converted.error());
+    AVFrame& frame = **converted;
+    frame.pts = next_++;
+    frame.pict_type = open || request.key ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
+    CodedFrame coded;
+    coded.codec = v1::H264;
+    auto data = ffmpeg::code(*context_, frame, *packet_, coded.key);
+    if (!data) {
+      context_.reset();  // what it holds is unknown: the next frame begins anew
+      return tl::unexpected(data.error());
+    }
+    coded.data = std::move(*data);
+    if (coded.key) {
+      coded.decoder = h264_decoder_name(coded.data).value_or("");
+      if (coded.decoder.empty()) {
+        return fail(ErrorCode::kInternal, "A key frame has no sequence parameter set.");
+      }
+    }
+    return coded;
+  }
+
+ private:
+  Result<void> start(Canvas size, const EncodeRequest& request) {
+    context_.reset(avcodec_alloc_context3(codec_));
+    if (!context_) return fail(ErrorCode::kOutOfMemory, "No memory for an H.264 encoder.");
+    AVCodecContext& context = *context_;
+    context.width = static_cast<int>(size.width);
+    context.height = static_cast<int>(size.height);
+    context.pix_fmt = AV_PIX_FMT_YUV420P;
+    context.time_base = {1, kFramesPerSecond};
+    context.framerate = {kFramesPerSecond, 1};
+    context.color_range = AVCOL_RANGE_MPEG;
+    context.colorspace = AVCOL_SPC_BT709;
+    context.color_primaries = AVCOL_PRI_BT709;
+    context.color_trc = AVCOL_TRC_BT709;
+    context.max_b_frames = 0;
+    // Sessions are coded side by side: threads within one would only hand over to each other.
+    context.thread_count = 1;
+    bytes_ = bound(request);
+    apply_bound();
+    set_options(request);
+    const int opened = avcodec_open2(&context, codec_, nullptr);
+    if (opened < 0) {
+      context_.reset();
+      return fail(ErrorCode::kUnsupported,
+                  std::string(codec_->name) + " does not open: " + ffmpeg::error_text(opened));
+    }
+    size_ = size;
+    return {};
+  }
+
+  void set_options(const EncodeRequest& request) {
+    AVCodecContext& context = *context_;
+    void* options = context.priv_data;
+    av_opt_set(options, "profile", "high", 0);
+    av_opt_set(options, "forced-idr", "1", 0);
+    if (device_ == H264Device::kX264) {
+      context.gop_size = 1 << 30;  // x264's "infinite"
+      av_opt_set(options, "preset", "superfast", 0);
+      av_opt_set(options, "tune", "zerolatency", 0);
+      av_opt_set(options, "x264-params", "scenecut=0", 0);
+      set_rate_factor(request.quality);
+    } else {
+      context.gop_size = -1;  // NVENC's
+      av_opt_set(options, "preset", "p2", 0);
+      av_opt_set(options, "tune", "ull", 0);
+      av_opt_set(options, "rc", "cbr", 0);
+      av_opt_set(options, "zerolatency", "1", 0);
+      av_opt_set(options, "delay", "0", 0);
+      av_opt_set(options, "no-scenecut", "1", 0);
+    }
+  }
+
+  void set_rate_factor(Quality quality) {
+    av_opt_set_double(context_->priv_data, "crf",
+                      quality == Quality::kSettled ? kSettledRateFactor : kMovingRateFactor, 0);
+  }
+
+  void apply_bound() {
+    const std::int64_t bits = 8 * bytes_;
+    context_->rc_max_rate = bits * kFramesPerSecond;
+    context_->rc_buffer_size = static_cast<int>(bits);
+    context_->rc_initial_buffer_occupancy = context_->rc_buffer_size;
+    if (device_ == H264Device::kNvenc) context_->bit_rate = context_->rc_max_rate;
+  }
+
+  // FFmpeg compares these with what the encoder has at each frame.
+  Result<void> set_bound(const EncodeRequest& request) {
+    const std::int64_t wanted = bound(request);
+    if (device_ == H264Device::kX264) {
+      set_rate_factor(request.quality);
+    } else if (std::abs(wanted - bytes_) * 4 < bytes_) {
+      return {};  // a new rate costs NVENC a key frame
+    }
+    if (wanted != bytes_) {
+      bytes_ = wanted;
+      apply_bound();
+    }
+    return {};
+  }
+
+  const H264Device device_;
+  const AVCodec* const codec_;
+  ffmpeg::YuvConverter converter_{ffmpeg::Matrix::kBt709};
+  ffmpeg::Packet packet_;
+  ffmpeg::Context context_;
+  Canvas size_;
+  std::int64_t bytes_ = 0;
+  std::int64_t next_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Encoder>> make_h264_encoder(H264Device device) {
+  av_log_set_level(AV_LOG_QUIET);  // its errors come back as values
+  const char* name = device == H264Device::kNvenc ? "h264_nvenc" : "libx264";
+  const AVCodec* codec = avcodec_find_encoder_by_name(name);
+  if (!codec) {
+    return fail(ErrorCode::kUnsupported, std::string("This FFmpeg has no ") + name + ".");
+  }
+  ffmpeg::Packet packet(av_packet_alloc());
+  if (!packet) return fail(ErrorCode::kOutOfMemory, "No memory for an H.264 encoder.");
+  return std::make_unique<H264Encoder>(device, codec, std::move(packet));
+}
+
+}  // namespace diaphane::render

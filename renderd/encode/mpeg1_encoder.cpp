@@ -1,0 +1,111 @@
+#include "renderd/encode/mpeg1_encoder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderd/encode/ffmpeg.h"
+
+namespace diaphane::render {
+namespace {
+
+constexpr int kFinest = 2;
+constexpr int kCoarsest = 31;
+constexpr int kMovingQuantiser = 5;
+constexpr int kSettledQuantiser = 2;
+constexpr std::uint32_t kLargestSide = 4094;  // twelve bits, and even
+
+class Mpeg1Encoder final : public Encoder {
+ public:
+  Mpeg1Encoder(const AVCodec* codec, ffmpeg::Packet packet)
+      : codec_(codec), packet_(std::move(packet)) {}
+
+  Result<CodedFrame> encode(const PictureRgb8& picture, const EncodeRequest& request) override {
+    if (const auto sound = check_picture(picture); !sound) return tl::unexpected(sound.error());
+    const Canvas size = ffmpeg::even(picture.size);
+    const bool open = !context_ || size != size_;
+    if (open) {
+      if (const auto done = start(size); !done) return tl::unexpected(done.error());
+    }
+    auto converted = converter_.convert(picture);
+    if (!converted) return tl::unexpected(converted.error());
+    const int best = request.quality == Quality::kSettled ? kSettledQuantiser : kMovingQuantiser;
+    // Bytes go about as the pixels; what is known of another size is still a beginning.
+    quantiser_ = next_quantiser(quantiser_, bytes_, request.most_bytes, best);
+    AVFrame& frame = **converted;
+    frame.pts = next_++;
+    frame.quality = quantiser_ * FF_QP2LAMBDA;
+    frame.pict_type = open || request.key ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
+    CodedFrame coded;
+    coded.codec = v1::MPEG1;
+    auto data = ffmpeg::code(*context_, frame, *packet_, coded.key);
+    if (!data) {
+      context_.reset();
+      return tl::unexpected(data.error());
+    }
+    bytes_ = data->size();
+    coded.data = std::move(*data);
+    return coded;
+  }
+
+ private:
+  Result<void> start(Canvas size) {
+    if (size.width > kLargestSide || size.height > kLargestSide) {
+      return fail(ErrorCode::kTooLarge, "MPEG-1 pictures are at most 4094 pixels wide and high.");
+    }
+    context_.reset(avcodec_alloc_context3(codec_));
+    if (!context_) return fail(ErrorCode::kOutOfMemory, "No memory for an MPEG-1 encoder.");
+    AVCodecContext& context = *context_;
+    context.width = static_cast<int>(size.width);
+    context.height = static_cast<int>(size.height);
+    context.pix_fmt = AV_PIX_FMT_YUV420P;
+    context.time_base = {1, 30};
+    context.gop_size = 600;  // FFmpeg's most
+    context.max_b_frames = 0;
+    context.thread_count = 1;
+    // FFmpeg holds a frame back, as if B frames might follow, unless it is allowed not to.
+    context.strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
+    context.flags |= AV_CODEC_FLAG_QSCALE | AV_CODEC_FLAG_LOW_DELAY;
+    av_opt_set_int(context.priv_data, "sc_threshold", 1000000000, 0);  // no key frames of its own
+    context.global_quality = kMovingQuantiser * FF_QP2LAMBDA;
+    context.qmin = kFinest;
+    context.qmax = kCoarsest;
+    const int opened = avcodec_open2(&context, codec_, nullptr);
+    if (opened < 0) {
+      context_.reset();
+      return fail(ErrorCode::kUnsupported, "MPEG-1 does not open: " + ffmpeg::error_text(opened));
+    }
+    size_ = size;
+    return {};
+  }
+
+  const AVCodec* const codec_;
+  ffmpeg::YuvConverter converter_{ffmpeg::Matrix::kBt601};
+  ffmpeg::Packet packet_;
+  ffmpeg::Context context_;
+  Canvas size_;
+  int quantiser_ = kMovingQuantiser;
+  std::size_t bytes_ = 0;
+  std::int64_t next_ = 0;
+};
+
+}  // namespace
+
+int next_quantiser(int before, std::size_t bytes, std::size_t most, int best) {
+  if (most == 0 || bytes == 0) return best;
+  // A frame's bytes fall about as the quantiser rises. A quarter is left for what moves more.
+  const double wanted = 1.25 * before * static_cast<double>(bytes) / static_cast<double>(most);
+  // Coarser at once, finer in small steps: near the noise's own size a step changes much.
+  const int finer = before - std::max(1, before / 12);
+  return std::clamp(std::max(static_cast<int>(std::ceil(wanted)), finer), best, kCoarsest);
+}
+
+Result<std::unique_ptr<Encoder>> make_mpeg1_encoder() {
+  av_log_set_level(AV_LOG_QUIET);  // its errors come back as values
+  const AVCodec* codec = avcodec_find_encoder(AV_CODEC_ID_MPEG1VIDEO);
+  if (!codec) return fail(ErrorCode::kUnsupported, "This FFmpeg has no MPEG-1 encoder.");
+  ffmpeg::Packet packet(av_packet_alloc());
+  if (!packet) return fail(ErrorCode::kOutOfMemory, "No memory for an MPEG-1 encoder.");
+  return std::make_unique<Mpeg1Encoder>(codec, std::move(packet));
+}
+
+}  // namespace diaphane::render
