@@ -2,6 +2,7 @@
 
 #include <google/protobuf/util/json_util.h>
 
+#include <algorithm>
 #include <random>
 
 #include "common/log.h"
@@ -32,6 +33,32 @@ std::uint64_t random_seed() {
 
 }  // namespace
 
+// Keeps the encoder's questions apart: which codec is asked for, and whether it is still in use.
+class LiveSession::Lane final : public FrameSink {
+ public:
+  Lane(std::weak_ptr<LiveSession> session, v1::Codec for_codec)
+      : codec(for_codec), session_(std::move(session)) {}
+
+  Admission admit(const FrameInfo& frame) override {
+    const auto session = session_.lock();
+    return session ? session->admit(*this, frame) : Admission::kDrop;
+  }
+  void coded(const FrameInfo& frame, Canvas size, CodedFrame data, double seconds) override {
+    if (const auto session = session_.lock()) {
+      session->coded(*this, frame, size, std::move(data), seconds);
+    }
+  }
+  void dropped(const FrameInfo&, const Error& why) override {
+    if (const auto session = session_.lock()) session->dropped(*this, why);
+  }
+
+  const v1::Codec codec;
+  std::shared_ptr<EncodeLane> slot;  // set once, before anybody else sees the lane
+
+ private:
+  const std::weak_ptr<LiveSession> session_;
+};
+
 LiveSession::LiveSession(SessionParts parts, Start start, std::function<void()> ended)
     : parts_(std::move(parts)),
       id_(start.id),
@@ -44,27 +71,31 @@ LiveSession::LiveSession(SessionParts parts, Start start, std::function<void()> 
   state_.wanted.viewport = start.viewport;
   state_.wanted.input_seq = start.input_seq;
   state_.wanted.version = 1;
+  if (!start.presenter.empty()) state_.audience.presenter = std::move(start.presenter);
   version_ = 1;
   stats_since_ = parts_.clock.now();
+  state_.detached_since = stats_since_;
+  state_.audience.presenter_left = stats_since_;
 }
 
-std::uint64_t LiveSession::attach(std::shared_ptr<ClientLink> link, std::uint64_t placement) {
+Result<std::uint64_t> LiveSession::attach(std::shared_ptr<ClientLink> link, const Arrival& arrival,
+                                          std::uint64_t placement) {
   const std::lock_guard lock(mutex_);
-  finish_link({ErrorCode::kConflict, "This session was opened in another window.", {}}, true);
-  link_ = std::move(link);
+  const auto attached = render::attach(state_, arrival, parts_.clock.now());
+  if (!attached) return tl::unexpected(attached.error());
+  if (attached->replaced) {
+    finish_link(*attached->replaced,
+                {ErrorCode::kConflict, "This session was opened in another window.", {}}, true);
+  }
+  links_.emplace(attached->connection, std::move(link));
   state_.placement = placement;
-  render::attach(state_, parts_.clock.now());
-  if (lane_) lane_->request_key();
-  return ++connection_;
+  return attached->connection;
 }
 
 void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volume) {
   Result<std::unique_ptr<FrameRenderer>> renderer = fail(ErrorCode::kInternal, "");
-  auto encoder = make_encoder(v1::JPEG);
   if (volume) renderer = parts_.engine.renderer(*volume, random_seed(), 0, kLiveMethod);
-  if (!volume || !renderer || !encoder) {
-    return failed(!volume ? volume.error() : !renderer ? renderer.error() : encoder.error());
-  }
+  if (!volume || !renderer) return failed(!volume ? volume.error() : renderer.error());
   std::vector<v1::Preset> presets = presets_for((*volume)->header());
   if (presets.empty()) {
     return failed({ErrorCode::kUnsupported, "There is no way to show this kind of volume.", {}});
@@ -79,31 +110,32 @@ void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volum
   if (!state_.wanted.scene) {
     state_.wanted.scene = std::make_shared<const v1::Scene>(presets_.front().scene());
   }
-  lane_ = std::make_shared<EncodeLane>(parts_.encoders, std::move(*encoder), weak_from_this());
   runner_handle_ =
       parts_.runner.add(shared_from_this(), std::move(*renderer), first_epoch(state_.placement));
-  if (state_.greeted) send_config();
+  for (const Receiver& receiver : state_.audience.receivers) {
+    if (receiver.greeted) send_config(receiver.connection);
+  }
+  tell_audience();
 }
 
 void LiveSession::receive(std::uint64_t connection, const std::string& bytes) {
   v1::ClientMessage message;
   const bool sound = message.ParseFromString(bytes);
   std::unique_lock lock(mutex_);
-  if (connection != connection_ || !link_) return;
+  if (!links_.contains(connection)) return;
   if (!sound) {
-    finish_link({ErrorCode::kInvalid, "The page sent something that is no message.", {}}, true);
-    render::detach(state_, parts_.clock.now());
-    return;
+    finish_link(connection,
+                {ErrorCode::kInvalid, "The page sent something that is no message.", {}}, true);
+    return leave(connection);
   }
-  carry_out(render::receive(state_, message, parts_.clock.now()), lock);
+  carry_out(render::receive(state_, connection, message, parts_.clock.now()), connection, lock);
 }
 
 void LiveSession::closed(std::uint64_t connection) {
   {
     const std::lock_guard lock(mutex_);
-    if (connection != connection_) return;
-    link_.reset();
-    render::detach(state_, parts_.clock.now());
+    if (links_.erase(connection) == 0) return;
+    leave(connection);
   }
   parts_.runner.wake();
 }
@@ -114,35 +146,45 @@ void LiveSession::end(const Error& why) {
     const std::lock_guard lock(mutex_);
     if (ended_) return;
     ended_ = true;
-    finish_link(why, true);
+    while (!links_.empty()) finish_link(links_.begin()->first, why, true);
     handle = std::exchange(runner_handle_, 0);
   }
   if (handle != 0) parts_.runner.remove(handle);
 }
 
 void LiveSession::tick() {
-  const std::lock_guard lock(mutex_);
-  const TimePoint now = parts_.clock.now();
-  if (greeting_overdue(state_, now)) {
-    finish_link({ErrorCode::kInvalid, "The page did not say anything.", {}}, true);
-    render::detach(state_, now);
+  Lanes poked;
+  {
+    const std::lock_guard lock(mutex_);
+    const TimePoint now = parts_.clock.now();
+    for (const std::uint64_t silent : overdue_greetings(state_, now)) {
+      finish_link(silent, {ErrorCode::kInvalid, "The page did not say anything.", {}}, true);
+      leave(silent);
+    }
+    poked = lanes_;
+    const double seconds = std::chrono::duration<double>(now - stats_since_).count();
+    if (seconds >= 1) {
+      std::uint64_t skipped = skipped_before_;
+      for (const auto& lane : lanes_) skipped += lane->slot->skipped();
+      parts_.metrics.frames_skipped(skipped - skipped_told_);
+      skipped_told_ = skipped;
+      if (samples_since_ > 0) {
+        v1::ServerMessage message;
+        v1::Stats& stats = *message.mutable_stats();
+        stats.set_samples_per_second(static_cast<double>(samples_since_) / seconds);
+        stats.set_sessions(static_cast<std::uint32_t>(parts_.session_count()));
+        stats.set_dropped_samples(dropped_samples_);
+        stats.set_frames_skipped(skipped);
+        for (const Receiver& receiver : state_.audience.receivers) {
+          if (is_watching(receiver, now)) send(receiver.connection, message);
+        }
+      }
+      stats_since_ = now;
+      samples_since_ = 0;
+    }
   }
-  const double seconds = std::chrono::duration<double>(now - stats_since_).count();
-  if (seconds < 1) return;
-  const std::uint64_t skipped = lane_ ? lane_->skipped() : 0;
-  parts_.metrics.frames_skipped(skipped - skipped_told_);
-  skipped_told_ = skipped;
-  if (samples_since_ > 0 && state_.greeted && watched(state_, now)) {
-    v1::ServerMessage message;
-    v1::Stats& stats = *message.mutable_stats();
-    stats.set_samples_per_second(static_cast<double>(samples_since_) / seconds);
-    stats.set_sessions(static_cast<std::uint32_t>(parts_.session_count()));
-    stats.set_dropped_samples(dropped_samples_);
-    stats.set_frames_skipped(skipped);
-    send(message);
-  }
-  stats_since_ = now;
-  samples_since_ = 0;
+  // One that sets the pace may have stalled, and a key frame may be due, without anybody's word.
+  for (const auto& lane : poked) lane->slot->poke();
 }
 
 std::uint64_t LiveSession::placement() const {
@@ -152,7 +194,7 @@ std::uint64_t LiveSession::placement() const {
 
 std::optional<std::chrono::steady_clock::duration> LiveSession::abandoned_for() const {
   const std::lock_guard lock(mutex_);
-  if (state_.attached) return std::nullopt;
+  if (!state_.audience.receivers.empty()) return std::nullopt;
   return parts_.clock.now() - state_.detached_since;
 }
 
@@ -160,8 +202,12 @@ std::optional<LiveSession::Saved> LiveSession::take_unsaved() {
   const std::lock_guard lock(mutex_);
   if (!state_.unsaved || !state_.wanted.scene) return std::nullopt;
   state_.unsaved = false;
-  return Saved{id_, state_.placement, state_.wanted.scene->SerializeAsString(),
-               state_.wanted.input_seq, state_.wanted.viewport};
+  return Saved{id_,
+               state_.placement,
+               state_.wanted.scene->SerializeAsString(),
+               state_.wanted.input_seq,
+               state_.wanted.viewport,
+               state_.audience.presenter};
 }
 
 void LiveSession::mark_unsaved() {
@@ -170,16 +216,13 @@ void LiveSession::mark_unsaved() {
 }
 
 Wanted LiveSession::wanted() {
-  std::shared_ptr<EncodeLane> lane;
-  {
-    const std::lock_guard lock(mutex_);
-    lane = lane_;
-  }
-  const bool slot_free = lane && lane->slot_free();
   const std::lock_guard lock(mutex_);
+  const TimePoint now = parts_.clock.now();
   Wanted wanted = state_.wanted;
-  wanted.visible = watched(state_, parts_.clock.now());
-  wanted.room = slot_free && state_.flight.room();
+  wanted.visible = watched(state_, now);
+  wanted.room = std::any_of(lanes_.begin(), lanes_.end(), [&](const auto& lane) {
+    return lane->slot->slot_free() && has_room(state_, lane->codec, now);
+  });
   // A hidden viewer keeps its wish until it looks again.
   if (wanted.visible) state_.wanted.picture_again = false;
   return wanted;
@@ -196,7 +239,9 @@ void LiveSession::began(std::uint64_t epoch, const Wanted& wanted) {
 
 void LiveSession::refused(const Wanted& wanted, const Error& why) {
   std::unique_lock lock(mutex_);
-  carry_out(render::refused(state_, wanted, why), lock);
+  const Outcome outcome = render::refused(state_, wanted, why);
+  const Receiver* presenter = state_.audience.of(state_.audience.presenter);
+  carry_out(outcome, presenter ? presenter->connection : 0, lock);
 }
 
 void LiveSession::rendered(const Batch& batch) {
@@ -207,13 +252,10 @@ void LiveSession::rendered(const Batch& batch) {
 }
 
 void LiveSession::picture(RenderedPicture picture) {
-  std::shared_ptr<EncodeLane> lane;
-  {
-    const std::lock_guard lock(mutex_);
-    lane = lane_;
-  }
   if (parts_.mark_frames) draw_frame_mark(picture.picture, picture.info.input_seq);
-  if (lane) lane->submit(std::move(picture));
+  const Lanes all = lanes();
+  for (std::size_t i = 0; i + 1 < all.size(); ++i) all[i]->slot->submit(picture);
+  if (!all.empty()) all.back()->slot->submit(std::move(picture));
 }
 
 void LiveSession::failed(const Error& why) {
@@ -222,102 +264,188 @@ void LiveSession::failed(const Error& why) {
   on_ended_();
 }
 
-Admission LiveSession::admit(const FrameInfo& frame) {
+Admission LiveSession::admit(Lane& lane, const FrameInfo& frame) {
   const std::lock_guard lock(mutex_);
-  return render::admit(state_, frame);
+  if (!in_use(lane)) return Admission::kDrop;
+  const Admitted admitted = render::admit(state_, lane.codec, frame, parts_.clock.now());
+  if (admitted.key) lane.slot->request_key();
+  return admitted.admission;
 }
 
-void LiveSession::coded(const FrameInfo& frame, Canvas size, CodedFrame data, double seconds) {
+void LiveSession::coded(const Lane& lane, const FrameInfo& frame, Canvas size, CodedFrame data,
+                        double seconds) {
   parts_.metrics.encoded(seconds);
   {
     const std::lock_guard lock(mutex_);
-    if (!still_useful(state_, frame)) {
-      state_.flight.release();
-    } else {
-      const std::size_t bytes = data.data.size();
-      const Departure departure = depart(state_, frame, parts_.clock.now());
-      v1::ServerMessage message;
-      v1::Frame& out = *message.mutable_frame();
-      out.set_codec(data.codec);
-      out.set_key(data.key);
-      out.set_epoch(frame.epoch);
+    if (!in_use(lane)) return;
+    const std::size_t bytes = data.data.size();
+    const Departures departures = depart(state_, lane.codec, frame, data.key, parts_.clock.now());
+    v1::ServerMessage message;
+    v1::Frame& out = *message.mutable_frame();
+    out.set_codec(data.codec);
+    out.set_key(data.key);
+    out.set_epoch(frame.epoch);
+    out.set_input_seq(frame.input_seq);
+    out.set_iteration(frame.samples);
+    out.set_error(frame.error);
+    out.set_width(size.width);
+    out.set_height(size.height);
+    out.set_denoised(frame.denoised);
+    out.set_render_us(frame.render_us);
+    out.set_encode_us(static_cast<std::uint64_t>(seconds * 1e6));
+    out.set_data(std::move(data.data));
+    for (const Departure& departure : departures.frames) {
+      if (departure.look) send_look(departure.connection);
       out.set_seq(departure.seq);
-      out.set_input_seq(frame.input_seq);
-      out.set_iteration(frame.samples);
-      out.set_error(frame.error);
-      out.set_width(size.width);
-      out.set_height(size.height);
-      out.set_denoised(frame.denoised);
-      out.set_render_us(frame.render_us);
-      out.set_encode_us(static_cast<std::uint64_t>(seconds * 1e6));
-      out.set_data(std::move(data.data));
-      send(message);
-      if (departure.state) {
-        v1::ServerMessage after;
-        *after.mutable_state() = *departure.state;
-        send(after);
-      }
+      send(departure.connection, message);
       parts_.metrics.frame_sent(bytes);
-      if (departure.input_to_frame) parts_.metrics.input_to_frame(*departure.input_to_frame);
+      if (!departure.state) continue;
+      v1::ServerMessage after;
+      *after.mutable_state() = *departure.state;
+      send(departure.connection, after);
     }
+    if (departures.input_to_frame) parts_.metrics.input_to_frame(*departures.input_to_frame);
   }
   parts_.runner.wake();  // the slot is free again
 }
 
-void LiveSession::dropped(const FrameInfo&, const Error& why) {
+void LiveSession::dropped(const Lane& lane, const Error& why) {
   log::error("encode_failed", {{"session", id_}, {"code", to_string(why.code)}});
   const std::lock_guard lock(mutex_);
-  state_.flight.release();
+  if (in_use(lane)) release(state_, lane.codec);
 }
 
-void LiveSession::send(const v1::ServerMessage& message) {
-  if (link_) link_->send(message.SerializeAsString());
+void LiveSession::send(std::uint64_t connection, const v1::ServerMessage& message) {
+  const auto link = links_.find(connection);
+  if (link != links_.end()) link->second->send(message.SerializeAsString());
 }
 
-void LiveSession::send_config() {
+void LiveSession::send_config(std::uint64_t connection) {
+  Receiver* const receiver = state_.audience.find(connection);
+  if (!receiver) return;
   v1::ServerMessage message;
   v1::Config& config = *message.mutable_config();
   const EngineInfo engine = parts_.engine.info();
   config.set_protocol(1);
   config.set_session_id(id_);
-  config.set_codec(state_.codec);
+  config.set_codec(receiver->codec);
   config.set_engine(engine.engine);
   config.set_device(engine.device);
   *config.mutable_volume() = to_proto(volume_->header());
   if (state_.wanted.scene) *config.mutable_scene() = *state_.wanted.scene;
   config.set_input_seq(state_.wanted.input_seq);
   for (const v1::Preset& preset : presets_) *config.add_presets() = preset;
-  send(message);
+  config.set_follower(!state_.audience.presents(*receiver));
+  receiver->look_version = state_.wanted.version;
+  send(connection, message);
 }
 
-void LiveSession::carry_out(const Outcome& outcome, std::unique_lock<std::mutex>& lock) {
+void LiveSession::send_look(std::uint64_t connection) {
+  // To the presenter what is wanted, to a follower what is shown.
+  const Receiver* const receiver = state_.audience.find(connection);
+  if (!receiver) return;
+  const Wanted& of = state_.audience.presents(*receiver) ? state_.wanted : state_.shown;
+  if (!of.scene) return;
+  v1::ServerMessage message;
+  *message.mutable_look()->mutable_scene() = *of.scene;
+  message.mutable_look()->set_input_seq(of.input_seq);
+  send(connection, message);
+}
+
+void LiveSession::tell_audience() {
+  if (!volume_) return;  // volume_ready does it
+  for (const Receiver& receiver : state_.audience.receivers) {
+    if (!receiver.greeted) continue;
+    v1::ServerMessage message;
+    *message.mutable_audience() = audience_for(state_.audience, receiver);
+    send(receiver.connection, message);
+  }
+}
+
+void LiveSession::carry_out(const Outcome& outcome, std::uint64_t connection,
+                            std::unique_lock<std::mutex>& lock) {
   version_.store(state_.wanted.version, std::memory_order_relaxed);
   if (outcome.problem) {
     v1::ServerMessage message;
     *message.mutable_problem() = *outcome.problem;
-    send(message);
+    send(connection, message);
     if (outcome.problem->fatal()) {
-      finish_link({ErrorCode::kInvalid, outcome.problem->message(), {}}, false);
-      render::detach(state_, parts_.clock.now());
+      finish_link(connection, {ErrorCode::kInvalid, outcome.problem->message(), {}}, false);
+      leave(connection);
     }
   }
-  // Before the volume is there, volume_ready does it.
-  if (outcome.configure && volume_) send_config();
-  const std::shared_ptr<EncodeLane> lane = outcome.room ? lane_ : nullptr;
+  if (outcome.configure) {
+    const Receiver* receiver = state_.audience.find(connection);
+    if (const auto opened = open_lane(receiver->codec); !opened) {
+      finish_link(connection, opened.error(), true);
+      leave(connection);
+    } else if (volume_) {  // before the volume is there, volume_ready does it
+      send_config(connection);
+    }
+  }
+  if (outcome.audience) tell_audience();
+  if (outcome.presenter) {
+    const Receiver* presenter = state_.audience.of(state_.audience.presenter);
+    if (presenter) send_look(presenter->connection);
+  }
+  const Lanes poked = outcome.room ? lanes_ : Lanes{};
   lock.unlock();
-  if (lane) lane->poke();
+  for (const auto& lane : poked) lane->slot->poke();
   if (outcome.wake) parts_.runner.wake();
 }
 
-void LiveSession::finish_link(const Error& why, bool with_problem) {
-  if (!link_) return;
+void LiveSession::finish_link(std::uint64_t connection, const Error& why, bool with_problem) {
+  const auto link = links_.find(connection);
+  if (link == links_.end()) return;
   if (with_problem) {
     v1::ServerMessage message;
     *message.mutable_problem() = problem_of(why, 0, true);
-    send(message);
+    send(connection, message);
   }
-  link_->finish(why);
-  link_.reset();
+  link->second->finish(why);
+  links_.erase(link);
+}
+
+void LiveSession::leave(std::uint64_t connection) {
+  render::detach(state_, connection, parts_.clock.now());
+  close_unused_lanes();
+  tell_audience();
+}
+
+Result<void> LiveSession::open_lane(v1::Codec codec) {
+  for (const auto& lane : lanes_) {
+    if (lane->codec == codec) return {};
+  }
+  auto encoder = make_encoder(codec);
+  if (!encoder) return tl::unexpected(encoder.error());
+  auto lane = std::make_shared<Lane>(weak_from_this(), codec);
+  lane->slot = std::make_shared<EncodeLane>(parts_.encoders, std::move(*encoder), lane);
+  lanes_.push_back(std::move(lane));
+  return {};
+}
+
+// An encoder may hold a device's resources, and a picture less is to be coded.
+void LiveSession::close_unused_lanes() {
+  std::erase_if(lanes_, [&](const auto& lane) {
+    const auto& receivers = state_.audience.receivers;
+    const bool used = std::any_of(receivers.begin(), receivers.end(), [&](const Receiver& one) {
+      return one.greeted && one.codec == lane->codec;
+    });
+    if (used) return false;
+    skipped_before_ += lane->slot->skipped();
+    state_.audience.codings.erase(lane->codec);
+    return true;
+  });
+}
+
+bool LiveSession::in_use(const Lane& lane) const {
+  return std::any_of(lanes_.begin(), lanes_.end(),
+                     [&](const auto& one) { return one.get() == &lane; });
+}
+
+LiveSession::Lanes LiveSession::lanes() const {
+  const std::lock_guard lock(mutex_);
+  return lanes_;
 }
 
 }  // namespace diaphane::render

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -37,11 +38,10 @@ struct SessionParts {
   bool mark_frames = false;  ///< for a bench: input_seq in the pixels (encode/frame_mark.h)
 };
 
-/// One session: joins the pure state machine to the runner, the encoder and the connection.
-/// Thread-safe: called by the connection, the runner, an encoder and the host's clock.
-class LiveSession final : public RenderClient,
-                          public FrameSink,
-                          public std::enable_shared_from_this<LiveSession> {
+/// One session: joins the pure state machine to the runner, the encoders and the connections of all
+/// who look at it. One render, one encoder for each codec in use, many receivers. Thread-safe:
+/// called by the connections, the runner, the encoders and the host's clock.
+class LiveSession final : public RenderClient, public std::enable_shared_from_this<LiveSession> {
  public:
   struct Start {
     std::string id;
@@ -50,6 +50,7 @@ class LiveSession final : public RenderClient,
     std::shared_ptr<const diaphane::v1::Scene> scene;  ///< empty: the volume's first preset
     std::uint64_t input_seq = 0;
     Canvas viewport{512, 512};
+    std::string presenter;  ///< participant; empty: the owner
   };
   /// What a lost worker's successor needs, as it goes to Redis.
   struct Saved {
@@ -58,19 +59,22 @@ class LiveSession final : public RenderClient,
     std::string scene;  ///< serialised
     std::uint64_t input_seq = 0;
     Canvas viewport;
+    std::string presenter;  ///< participant
   };
 
   /// `ended` is called once, without a lock held, when the session has ended by itself.
   LiveSession(SessionParts parts, Start start, std::function<void()> ended);
 
-  /// A connection takes the session over; the one before is ended. Returns its number.
-  std::uint64_t attach(std::shared_ptr<ClientLink> link, std::uint64_t placement);
+  /// One more viewer; a connection that the same participant had before is ended. Returns its
+  /// number, or kTooMany.
+  Result<std::uint64_t> attach(std::shared_ptr<ClientLink> link, const Arrival& arrival,
+                               std::uint64_t placement);
   /// The volume came, or did not: then the session ends with a fatal Problem.
   void volume_ready(Result<std::shared_ptr<const DeviceVolume>> volume);
-  /// A serialised ClientMessage. Of an older connection it is ignored.
+  /// A serialised ClientMessage. Of a connection that has ended it is ignored.
   void receive(std::uint64_t connection, const std::string& bytes);
   void closed(std::uint64_t connection);
-  /// Ends it: the viewer gets `why` as a fatal Problem. Idempotent.
+  /// Ends it: every viewer gets `why` as a fatal Problem. Idempotent.
   void end(const Error& why);
   /// Once or more a second.
   void tick();
@@ -84,7 +88,7 @@ class LiveSession final : public RenderClient,
   std::optional<Saved> take_unsaved();
   void mark_unsaved();
 
-  // RenderClient, FrameSink
+  // RenderClient
   Wanted wanted() override;
   std::uint64_t version() const noexcept override;
   void began(std::uint64_t epoch, const Wanted& wanted) override;
@@ -92,15 +96,32 @@ class LiveSession final : public RenderClient,
   void rendered(const Batch& batch) override;
   void picture(RenderedPicture picture) override;
   void failed(const Error& why) override;
-  Admission admit(const FrameInfo& frame) override;
-  void coded(const FrameInfo& frame, Canvas size, CodedFrame data, double seconds) override;
-  void dropped(const FrameInfo& frame, const Error& why) override;
 
  private:
-  void send(const diaphane::v1::ServerMessage& message);  // under the lock
-  void send_config();                                     // under the lock
-  void carry_out(const Outcome& outcome, std::unique_lock<std::mutex>& lock);
-  void finish_link(const Error& why, bool with_problem);  // under the lock
+  /// A codec in use: its encoder's slot, and what ties the slot to this session.
+  class Lane;
+  using Lanes = std::vector<std::shared_ptr<Lane>>;
+
+  // What an encoder asks and tells, of the lane that it codes for.
+  Admission admit(Lane& lane, const FrameInfo& frame);
+  void coded(const Lane& lane, const FrameInfo& frame, Canvas size, CodedFrame data,
+             double seconds);
+  void dropped(const Lane& lane, const Error& why);
+
+  // All of these under the lock.
+  void send(std::uint64_t connection, const diaphane::v1::ServerMessage& message);
+  void send_config(std::uint64_t connection);
+  void send_look(std::uint64_t connection);
+  void tell_audience();
+  void finish_link(std::uint64_t connection, const Error& why, bool with_problem);
+  void leave(std::uint64_t connection);
+  Result<void> open_lane(diaphane::v1::Codec codec);
+  void close_unused_lanes();
+  bool in_use(const Lane& lane) const;
+
+  void carry_out(const Outcome& outcome, std::uint64_t connection,
+                 std::unique_lock<std::mutex>& lock);
+  Lanes lanes() const;
 
   SessionParts parts_;
   const std::string id_;
@@ -110,9 +131,8 @@ class LiveSession final : public RenderClient,
   mutable std::mutex mutex_;
   SessionState state_;
   std::atomic<std::uint64_t> version_{0};
-  std::shared_ptr<ClientLink> link_;
-  std::uint64_t connection_ = 0;
-  std::shared_ptr<EncodeLane> lane_;
+  std::map<std::uint64_t, std::shared_ptr<ClientLink>> links_;  // by connection
+  Lanes lanes_;
   std::shared_ptr<const DeviceVolume> volume_;
   std::vector<diaphane::v1::Preset> presets_;
   std::uint64_t runner_handle_ = 0;
@@ -123,6 +143,7 @@ class LiveSession final : public RenderClient,
   std::uint64_t samples_since_ = 0;
   std::uint64_t dropped_samples_ = 0;
   std::uint64_t skipped_told_ = 0;
+  std::uint64_t skipped_before_ = 0;  // in lanes that are closed
 };
 
 }  // namespace diaphane::render

@@ -21,12 +21,26 @@ Result<LiveSession::Start> start_of(const v1::Open& open) {
   start.volume_id = open.volume_id();
   start.placement = open.placement();
   start.input_seq = open.input_seq();
+  start.presenter = open.presenter();
   if (open.has_scene()) start.scene = std::make_shared<const v1::Scene>(open.scene());
   if (open.has_viewport()) {
     // What was saved may be of no use; the browser's Hello says the viewport anew.
     if (const auto viewport = check_viewport(open.viewport())) start.viewport = *viewport;
   }
   return start;
+}
+
+Result<Arrival> arrival_of(const v1::Open& open) {
+  Arrival arrival;
+  if (!open.participant().empty()) {
+    if (!is_id(open.participant())) {
+      return fail(ErrorCode::kInvalid, "No participant's id.", "participant");
+    }
+    arrival.participant = open.participant();
+  }
+  arrival.name = open.name();
+  arrival.link = open.link();
+  return arrival;
 }
 
 }  // namespace
@@ -46,6 +60,8 @@ SessionHost::~SessionHost() { end_all(); }
 Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<ClientLink> link) {
   auto start = start_of(open);
   if (!start) return tl::unexpected(start.error());
+  const auto arrival = arrival_of(open);
+  if (!arrival) return tl::unexpected(arrival.error());
   const std::string id = start->id;
   const std::string volume_id = start->volume_id;
 
@@ -76,7 +92,9 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
       sessions_.emplace(id, session);
       metrics_.sessions(sessions_.size());
     }
-    connection = session->attach(std::move(link), open.placement());
+    const auto attached = session->attach(std::move(link), *arrival, open.placement());
+    if (!attached) return tl::unexpected(attached.error());
+    connection = *attached;
   }
   if (evicted) evicted->end(stopping());
   if (is_new) {

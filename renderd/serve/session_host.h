@@ -27,7 +27,7 @@ class Attachment {
   std::uint64_t connection_;
 };
 
-/// The sessions of this worker: opened, taken over, kept a while after their viewer left, ended.
+/// The sessions of this worker: opened, joined, kept a while after their last viewer left, ended.
 class SessionHost {
  public:
   struct Options {
@@ -45,8 +45,9 @@ class SessionHost {
               VolumeCache& volumes, Metrics& metrics, const Clock& clock);
   ~SessionHost();
 
-  /// Opens a session or takes over one that is here. kTooMany: no slot is free; kConflict: it was
-  /// placed anew since; kUnavailable: draining; kInvalid: an identifier that is none.
+  /// Opens a session or joins one that is here. kTooMany: no slot is free, or as many viewers as
+  /// can be are there; kConflict: it was placed anew since; kUnavailable: draining; kInvalid: an
+  /// identifier that is none.
   Result<Attachment> open(const diaphane::v1::Open& open, std::shared_ptr<ClientLink> link);
 
   /// Ends what nobody came back to; once or more a second.

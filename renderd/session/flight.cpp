@@ -23,9 +23,4 @@ bool FlightWindow::acknowledge(std::uint64_t seq) {
   return true;
 }
 
-void FlightWindow::restart() {
-  sent_ = 0;
-  acknowledged_ = 0;
-}
-
 }  // namespace diaphane::render

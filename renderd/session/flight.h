@@ -21,9 +21,8 @@ class FlightWindow {
   /// The stream keeps order: an acknowledgement is for all up to `seq`. One for what never left
   /// is ignored. True when room was made.
   bool acknowledge(std::uint64_t seq);
+  std::uint64_t sent() const { return sent_; }
   std::uint64_t unacknowledged() const { return sent_ - acknowledged_; }
-  /// A new connection: numbers begin at 1 again. Places reserved by the old one stay theirs.
-  void restart();
 
  private:
   std::uint64_t sent_ = 0;

@@ -56,16 +56,5 @@ TEST(FlightWindow, AnAcknowledgementOfWhatNeverLeftMakesNoRoom) {
   EXPECT_FALSE(window.reserve());
 }
 
-TEST(FlightWindow, ANewConnectionCountsFromOneAndKeepsWhatIsBeingEncoded) {
-  FlightWindow window;
-  ASSERT_TRUE(window.reserve());
-  window.depart();
-  ASSERT_TRUE(window.reserve());
-  window.restart();
-  EXPECT_TRUE(window.reserve());
-  EXPECT_FALSE(window.reserve());
-  EXPECT_EQ(window.depart(), 1U);
-}
-
 }  // namespace
 }  // namespace diaphane::render

@@ -27,42 +27,71 @@ void note_input(SessionState& state, std::uint64_t input_seq, TimePoint now) {
   }
 }
 
-Outcome receive_hello(SessionState& state, const v1::Hello& hello, TimePoint now) {
+// The presenter's page decides how large the picture is.
+bool take_viewport(SessionState& state, const Receiver& receiver) {
+  const Canvas viewport = receiver.viewport;
+  if (viewport.width == 0 || viewport == state.wanted.viewport) return false;
+  state.wanted.viewport = viewport;
+  ++state.wanted.version;
+  state.unsaved = true;
+  return true;
+}
+
+Outcome receive_hello(SessionState& state, Receiver& receiver, const v1::Hello& hello,
+                      TimePoint now) {
   if (hello.protocol() != 1) {
     return refuse(ErrorCode::kUnsupported,
                   "This page is of another version than the server. Reload it.", true);
   }
+  const auto made_here = [&](int codec) {
+    return std::find(state.codecs.begin(), state.codecs.end(), codec) != state.codecs.end();
+  };
   const auto& codecs = hello.codecs();
-  if (std::find(codecs.begin(), codecs.end(), v1::JPEG) == codecs.end()) {
+  const auto chosen = std::find_if(codecs.begin(), codecs.end(), made_here);
+  if (chosen == codecs.end()) {
     return refuse(ErrorCode::kUnsupported, "This browser decodes none of the picture formats.",
                   true);
   }
   Outcome outcome;
-  state.codec = v1::JPEG;
+  receiver.codec = static_cast<v1::Codec>(*chosen);
+  receiver.needs_key = true;
+  receiver.behind = true;
   if (hello.has_viewport()) {
     const auto viewport = check_viewport(hello.viewport());
     if (!viewport) {
       outcome.problem = problem_of(viewport.error(), 0, false);
-    } else if (*viewport != state.wanted.viewport) {
-      state.wanted.viewport = *viewport;
-      ++state.wanted.version;
-      state.unsaved = true;
+    } else {
+      receiver.viewport = *viewport;
     }
   }
-  state.greeted = true;
-  state.wanted.last_input = now;  // a first picture is wanted as quickly as after a drag
+  receiver.greeted = true;
+  if (state.audience.presents(receiver)) {
+    take_viewport(state, receiver);
+    state.wanted.last_input = now;  // a first picture is wanted as quickly as after a drag
+  }
   state.wanted.picture_again = true;
   outcome.configure = true;
+  outcome.audience = true;
   outcome.wake = true;
   outcome.room = true;
   return outcome;
 }
 
-Outcome receive_scene(SessionState& state, const v1::SceneUpdate& update, TimePoint now) {
+Outcome refuse_follower(const v1::SceneUpdate& update) {
+  Outcome outcome;
+  if (update.has_scene()) {
+    const Error why{ErrorCode::kForbidden, "Only the presenter can change the picture.", {}};
+    outcome.problem = problem_of(why, update.input_seq(), false);
+  }
+  return outcome;
+}
+
+Outcome receive_scene(SessionState& state, Receiver& receiver, const v1::SceneUpdate& update,
+                      TimePoint now) {
   Outcome outcome;
   // Order is kept by the stream: a number that does not rise was sent twice.
-  if (state.newest_input != 0 && update.input_seq() <= state.newest_input) return outcome;
-  state.newest_input = update.input_seq();
+  if (receiver.newest_input != 0 && update.input_seq() <= receiver.newest_input) return outcome;
+  receiver.newest_input = update.input_seq();
 
   const auto refuse_update = [&](const Error& why) {
     outcome.problem = problem_of(why, update.input_seq(), false);
@@ -73,7 +102,10 @@ Outcome receive_scene(SessionState& state, const v1::SceneUpdate& update, TimePo
     const auto checked = check_viewport(update.viewport());
     if (!checked) return refuse_update(checked.error());
     viewport = *checked;
+    receiver.viewport = viewport;  // also a follower's: for when he presents
   }
+  if (!state.audience.presents(receiver)) return refuse_follower(update);
+
   bool changed = viewport != state.wanted.viewport;
   if (update.has_scene()) {
     if (const auto sound = check_scene(update.scene()); !sound) return refuse_update(sound.error());
@@ -95,13 +127,101 @@ Outcome receive_scene(SessionState& state, const v1::SceneUpdate& update, TimePo
   return outcome;
 }
 
+Outcome receive_ack(SessionState& state, Receiver& receiver, const v1::Ack& ack, TimePoint now) {
+  Outcome outcome;
+  if (!receiver.flight.acknowledge(ack.seq())) return outcome;
+  receiver.heard_at = now;
+  // Without a new picture on its way, what was missed would never come.
+  if (receiver.behind) state.wanted.picture_again = true;
+  outcome.room = true;
+  outcome.wake = true;
+  return outcome;
+}
+
+Outcome receive_need_key(SessionState& state, Receiver& receiver) {
+  receiver.needs_key = true;
+  receiver.behind = true;
+  state.wanted.picture_again = true;
+  Outcome outcome;
+  outcome.wake = true;
+  return outcome;
+}
+
+Outcome receive_visibility(SessionState& state, Receiver& receiver, bool visible) {
+  if (visible && !receiver.visible) {
+    receiver.behind = true;
+    state.wanted.picture_again = true;
+  }
+  receiver.visible = visible;
+  Outcome outcome;
+  outcome.wake = true;
+  return outcome;
+}
+
+Outcome receive_handover(SessionState& state, Receiver& receiver, const v1::Handover& handover,
+                         TimePoint now) {
+  Outcome outcome;
+  const std::string before = state.audience.presenter;
+  if (const auto given = hand_over(state.audience, receiver, handover.to(), now); !given) {
+    outcome.problem = problem_of(given.error(), 0, false);
+    return outcome;
+  }
+  if (state.audience.presenter == before) return outcome;
+  const Receiver& presenter = *state.audience.of(state.audience.presenter);
+  take_viewport(state, presenter);
+  state.unsaved = true;
+  outcome.audience = true;
+  outcome.presenter = true;
+  outcome.wake = true;
+  return outcome;
+}
+
+Outcome receive_own_camera(SessionState& state, Receiver& receiver, bool on) {
+  Outcome outcome;
+  if (receiver.own_camera == on) return outcome;
+  if (on && state.audience.presents(receiver)) {
+    return refuse(ErrorCode::kConflict, "The presenter's camera is everybody's.", false);
+  }
+  outcome.own_camera = on;
+  return outcome;
+}
+
 // A frame of the epoch that is rendered now is always of use. One of the epoch before is of use
 // only as the first picture of its epoch: when input comes faster than pictures, all of them are a
 // little old, and dropping every one would show nothing until the hand rests. Never after a newer
 // one.
-bool useful(const SessionState& state, const FrameInfo& frame) {
-  if (frame.epoch < state.sent_epoch) return false;
+bool useful(const SessionState& state, const Receiver& receiver, const FrameInfo& frame) {
+  if (frame.epoch < receiver.sent_epoch) return false;
   return frame.epoch >= state.epoch || frame.first_of_epoch;
+}
+
+// The same picture once more, for somebody else's sake.
+bool has(const Receiver& receiver, const FrameInfo& frame) {
+  if (!receiver.shown || receiver.behind) return false;
+  const FrameInfo& shown = *receiver.shown;
+  return shown.epoch == frame.epoch && shown.samples == frame.samples &&
+         shown.input_seq == frame.input_seq && shown.moving == frame.moving &&
+         shown.converged == frame.converged && shown.denoised == frame.denoised;
+}
+
+// Of an inter-coded stream every frame is part of those that follow.
+bool wants(const SessionState& state, const Receiver& receiver, const FrameInfo& frame) {
+  if (!useful(state, receiver, frame)) return false;
+  return is_inter_coded(receiver.codec) || !has(receiver, frame);
+}
+
+// The presenter sets the pace of those who receive what he does, as long as he takes pictures.
+const Receiver* pacer(const SessionState& state, v1::Codec codec, TimePoint now) {
+  const Receiver* presenter = state.audience.of(state.audience.presenter);
+  if (!presenter || presenter->codec != codec || !is_watching(*presenter, now)) return nullptr;
+  const bool keeps_up =
+      presenter->flight.unacknowledged() == 0 || now - presenter->heard_at < kPaceFor;
+  return keeps_up ? presenter : nullptr;
+}
+
+void miss(Receiver& receiver) {
+  receiver.behind = true;
+  if (is_inter_coded(receiver.codec)) receiver.needs_key = true;
 }
 
 }  // namespace
@@ -135,54 +255,64 @@ Result<Canvas> check_viewport(const v1::Viewport& viewport) {
   return Canvas{*width, *height};
 }
 
-void attach(SessionState& state, TimePoint now) {
-  state.attached = true;
-  state.greeted = false;
-  state.newest_input = 0;
-  state.sent_epoch = 0;
-  state.converged_told = false;
-  state.measured_since.reset();
-  state.flight.restart();
-  state.heard_at = now;
-  state.wanted.visible = true;
+Result<Attached> attach(SessionState& state, const Arrival& arrival, TimePoint now) {
+  Audience& audience = state.audience;
+  Attached attached;
+  if (const Receiver* before = audience.of(arrival.participant)) {
+    attached.replaced = before->connection;
+    std::erase_if(audience.receivers,
+                  [&](const auto& one) { return one.connection == *attached.replaced; });
+  }
+  if (audience.receivers.size() >= kMostReceivers) {
+    return fail(ErrorCode::kTooMany, "As many people as can be are here already.");
+  }
+  Receiver receiver;
+  receiver.connection = attached.connection = ++audience.connections;
+  receiver.participant = arrival.participant;
+  receiver.name = clean_name(arrival.name);
+  receiver.link = arrival.link;
+  receiver.heard_at = now;
+  if (receiver.name.empty() && receiver.participant != kOwner) {
+    // The same number again after a reconnection.
+    const auto number =
+        audience.guests.try_emplace(receiver.participant, audience.guests.size() + 1).first;
+    receiver.name = "Guest " + std::to_string(number->second);
+  }
+  audience.receivers.push_back(std::move(receiver));
+  return attached;
 }
 
-void detach(SessionState& state, TimePoint now) {
-  state.attached = false;
-  state.greeted = false;
-  state.detached_since = now;
+void detach(SessionState& state, std::uint64_t connection, TimePoint now) {
+  Audience& audience = state.audience;
+  const Receiver* leaving = audience.find(connection);
+  if (!leaving) return;
+  if (audience.presents(*leaving)) audience.presenter_left = now;
+  std::erase_if(audience.receivers, [&](const auto& one) { return one.connection == connection; });
+  if (audience.receivers.empty()) state.detached_since = now;
 }
 
-Outcome receive(SessionState& state, const v1::ClientMessage& message, TimePoint now) {
-  if (!state.greeted && message.body_case() != v1::ClientMessage::kHello) {
+Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientMessage& message,
+                TimePoint now) {
+  Receiver* const receiver = state.audience.find(connection);
+  if (!receiver) return {};
+  if (!receiver->greeted && message.body_case() != v1::ClientMessage::kHello) {
     return refuse(ErrorCode::kInvalid, "The connection must begin with a greeting.", true);
   }
   switch (message.body_case()) {
     case v1::ClientMessage::kHello:
-      return receive_hello(state, message.hello(), now);
+      return receive_hello(state, *receiver, message.hello(), now);
     case v1::ClientMessage::kScene:
-      return receive_scene(state, message.scene(), now);
-    case v1::ClientMessage::kAck: {
-      Outcome outcome;
-      outcome.room = state.flight.acknowledge(message.ack().seq());
-      outcome.wake = outcome.room;
-      if (outcome.room) state.heard_at = now;
-      return outcome;
-    }
-    case v1::ClientMessage::kNeedKey: {
-      Outcome outcome;
-      state.wanted.picture_again = true;
-      outcome.wake = true;
-      return outcome;
-    }
-    case v1::ClientMessage::kVisibility: {
-      Outcome outcome;
-      const bool visible = message.visibility().visible();
-      if (visible && !state.wanted.visible) state.wanted.picture_again = true;
-      state.wanted.visible = visible;
-      outcome.wake = true;
-      return outcome;
-    }
+      return receive_scene(state, *receiver, message.scene(), now);
+    case v1::ClientMessage::kAck:
+      return receive_ack(state, *receiver, message.ack(), now);
+    case v1::ClientMessage::kNeedKey:
+      return receive_need_key(state, *receiver);
+    case v1::ClientMessage::kVisibility:
+      return receive_visibility(state, *receiver, message.visibility().visible());
+    case v1::ClientMessage::kHandover:
+      return receive_handover(state, *receiver, message.handover(), now);
+    case v1::ClientMessage::kOwnCamera:
+      return receive_own_camera(state, *receiver, message.own_camera().on());
     case v1::ClientMessage::BODY_NOT_SET:
       break;
   }
@@ -207,41 +337,125 @@ Outcome refused(SessionState& state, const Wanted& wanted, const Error& why) {
   return outcome;
 }
 
-Admission admit(SessionState& state, const FrameInfo& frame) {
-  if (!state.attached || !useful(state, frame)) return Admission::kDrop;
-  if (!state.greeted) return Admission::kWait;
-  return state.flight.reserve() ? Admission::kGo : Admission::kWait;
-}
-
-bool still_useful(const SessionState& state, const FrameInfo& frame) {
-  return state.attached && state.greeted && useful(state, frame);
-}
-
-Departure depart(SessionState& state, const FrameInfo& frame, TimePoint now) {
-  Departure departure;
-  if (state.flight.unacknowledged() == 0) state.heard_at = now;
-  departure.seq = state.flight.depart();
-  state.sent_epoch = frame.epoch;
-  if (frame.converged != state.converged_told) {
-    departure.state.emplace();
-    departure.state->set_epoch(frame.epoch);
-    departure.state->set_converged(frame.converged);
-    state.converged_told = frame.converged;
+Admitted admit(SessionState& state, v1::Codec codec, const FrameInfo& frame, TimePoint now) {
+  Audience& audience = state.audience;
+  if (const auto coding = audience.codings.find(codec);
+      coding != audience.codings.end() && !coding->second.takers.empty()) {
+    return {Admission::kWait};  // one picture of a codec is coded at a time
   }
-  if (state.measured_since && frame.input_seq >= state.measured_input) {
-    departure.input_to_frame = std::chrono::duration<double>(now - *state.measured_since).count();
+  const bool inter = is_inter_coded(codec);
+  std::vector<Receiver*> wanting;
+  std::vector<Receiver*> others;
+  for (Receiver& receiver : audience.receivers) {
+    if (!receiver.greeted || receiver.codec != codec || receiver.own_camera) continue;
+    const bool watching = is_watching(receiver, now);
+    if (!watching) receiver.behind = true;  // for when it looks, or answers, again
+    (watching && wants(state, receiver, frame) ? wanting : others).push_back(&receiver);
+  }
+  if (wanting.empty()) return {};
+
+  const auto with_room = [](const Receiver* one) { return one->flight.room(); };
+  const Receiver* pace = pacer(state, codec, now);
+  const bool paced = pace && std::find(wanting.begin(), wanting.end(), pace) != wanting.end();
+  const bool room =
+      paced ? with_room(pace) : std::any_of(wanting.begin(), wanting.end(), with_room);
+  if (!room) return {Admission::kWait};
+
+  Coding& coding = audience.codings[codec];
+  const bool key_may = !coding.key_at || now - *coding.key_at >= kKeyEvery;
+  const bool key = inter && std::any_of(wanting.begin(), wanting.end(), [&](const Receiver* one) {
+                     return one->needs_key && with_room(one) && (key_may || one == pace);
+                   });
+  const auto takes = [&](const Receiver* one) {
+    return with_room(one) && (!inter || key || !one->needs_key);
+  };
+  // All who have room wait for a key frame that may not come yet.
+  if (std::none_of(wanting.begin(), wanting.end(), takes)) return {Admission::kWait};
+
+  if (key) coding.key_at = now;
+  if (inter) std::for_each(others.begin(), others.end(), [](Receiver* one) { miss(*one); });
+  coding.takers.clear();
+  for (Receiver* one : wanting) {
+    if (!takes(one)) {
+      miss(*one);
+      continue;
+    }
+    one->flight.reserve();
+    one->behind = false;
+    coding.takers.push_back(one->connection);
+  }
+  return {Admission::kGo, key};
+}
+
+Departures depart(SessionState& state, v1::Codec codec, const FrameInfo& frame, bool key,
+                  TimePoint now) {
+  Departures departures;
+  for (const std::uint64_t connection : std::exchange(state.audience.codings[codec].takers, {})) {
+    Receiver* const receiver = state.audience.find(connection);
+    if (!receiver) continue;
+    const bool decodes = key || !receiver->needs_key;
+    if (receiver->own_camera || !decodes || !useful(state, *receiver, frame)) {
+      receiver->flight.release();
+      // A newer epoch has begun, so a newer picture comes; but it builds on this one.
+      if (is_inter_coded(codec)) miss(*receiver);
+      continue;
+    }
+    Departure departure;
+    departure.connection = connection;
+    if (receiver->flight.unacknowledged() == 0) receiver->heard_at = now;
+    departure.seq = receiver->flight.depart();
+    receiver->sent_epoch = frame.epoch;
+    receiver->shown = frame;
+    receiver->needs_key = false;
+    if (!state.audience.presents(*receiver) && receiver->look_version != state.shown.version) {
+      receiver->look_version = state.shown.version;
+      departure.look = true;
+    }
+    if (frame.converged != receiver->converged_told) {
+      departure.state.emplace();
+      departure.state->set_epoch(frame.epoch);
+      departure.state->set_converged(frame.converged);
+      receiver->converged_told = frame.converged;
+    }
+    departures.frames.push_back(std::move(departure));
+  }
+  if (!departures.frames.empty() && state.measured_since &&
+      frame.input_seq >= state.measured_input) {
+    departures.input_to_frame = std::chrono::duration<double>(now - *state.measured_since).count();
     state.measured_since.reset();
   }
-  return departure;
+  return departures;
 }
 
-bool greeting_overdue(const SessionState& state, TimePoint now) {
-  return state.attached && !state.greeted && now - state.heard_at >= kGreetingWithin;
+void release(SessionState& state, v1::Codec codec) {
+  for (const std::uint64_t connection : std::exchange(state.audience.codings[codec].takers, {})) {
+    Receiver* const receiver = state.audience.find(connection);
+    if (!receiver) continue;
+    receiver->flight.release();
+    miss(*receiver);
+  }
+}
+
+bool has_room(const SessionState& state, v1::Codec codec, TimePoint now) {
+  if (const Receiver* pace = pacer(state, codec, now)) return pace->flight.room();
+  const auto& receivers = state.audience.receivers;
+  return std::any_of(receivers.begin(), receivers.end(), [&](const Receiver& one) {
+    return one.codec == codec && is_watching(one, now) && one.flight.room();
+  });
+}
+
+std::vector<std::uint64_t> overdue_greetings(const SessionState& state, TimePoint now) {
+  std::vector<std::uint64_t> overdue;
+  for (const Receiver& one : state.audience.receivers) {
+    if (!one.greeted && now - one.heard_at >= kGreetingWithin) overdue.push_back(one.connection);
+  }
+  return overdue;
 }
 
 bool watched(const SessionState& state, TimePoint now) {
-  if (!state.attached || !state.greeted || !state.wanted.visible) return false;
-  return state.flight.unacknowledged() == 0 || now - state.heard_at < kStalledAfter;
+  const auto& receivers = state.audience.receivers;
+  return std::any_of(receivers.begin(), receivers.end(),
+                     [&](const Receiver& one) { return is_watching(one, now); });
 }
 
 }  // namespace diaphane::render

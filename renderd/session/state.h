@@ -5,15 +5,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "api/proto/stream.pb.h"
 #include "common/result.h"
-#include "renderd/session/flight.h"
+#include "renderd/session/audience.h"
 #include "renderd/session/wanted.h"
 
 namespace diaphane::render {
-
-using TimePoint = std::chrono::steady_clock::time_point;
 
 /// All that is known of one session; plain data. The functions below are its only rules: they take
 /// the time as an argument, lock nothing and send nothing, but say what is to be done.
@@ -21,79 +20,98 @@ struct SessionState {
   std::string id;
   std::string volume_id;
   std::uint64_t placement = 0;
+  std::vector<diaphane::v1::Codec> codecs{diaphane::v1::JPEG};  ///< that can be made here
 
-  Wanted wanted;  ///< the newest accepted
-  Wanted shown;   ///< the newest that the renderer took; what a refusal goes back to
+  Wanted wanted;            ///< the newest accepted
+  Wanted shown;             ///< the newest that the renderer took; what a refusal goes back to
+  std::uint64_t epoch = 0;  ///< of what is rendered now
 
-  // Pictures.
-  std::uint64_t epoch = 0;       ///< of what is rendered now
-  std::uint64_t sent_epoch = 0;  ///< of the newest frame sent on this connection
-  bool converged_told = false;
-
-  // The connection, if any.
-  bool attached = false;
-  bool greeted = false;  ///< its Hello was accepted
-  diaphane::v1::Codec codec = diaphane::v1::CODEC_UNSPECIFIED;
-  std::uint64_t newest_input = 0;  ///< of this connection
-  FlightWindow flight;
-  TimePoint detached_since{};  ///< when not attached
-  TimePoint heard_at{};        ///< last acknowledgement, or frame sent with none outstanding
+  Audience audience;
+  TimePoint detached_since{};  ///< when nobody is connected
 
   // An input whose picture was not sent yet: the oldest, for the latency that a person feels.
   std::uint64_t measured_input = 0;
   std::optional<TimePoint> measured_since;
 
-  bool unsaved = false;  ///< the scene in Redis is older than `wanted`
+  bool unsaved = false;  ///< what Redis has is older than scene and presenter here
 };
 
-/// What one event asks for.
+/// What one event asks for. `problem`, `configure` and `own_camera` concern the connection that
+/// caused it.
 struct Outcome {
   std::optional<diaphane::v1::Problem> problem;  ///< to be sent; a fatal one closes the connection
   bool configure = false;                        ///< Config is due
-  bool wake = false;                             ///< the runner has something new to look at
-  bool room = false;                             ///< the encoder may take the next picture
+  bool audience = false;                         ///< everybody is to be told who is here
+  bool presenter = false;                        ///< the presenter is to be told the scene (Look)
+  std::optional<bool> own_camera;  ///< a camera of its own is asked for, or given back
+  bool wake = false;               ///< the runner has something new to look at
+  bool room = false;               ///< the encoders may take the next picture
 };
 
 inline constexpr std::uint32_t kSmallestSide = 16;
 inline constexpr std::uint32_t kLargestSide = 4096;
-/// A viewer that acknowledges nothing for so long gets no more device time until it does.
-inline constexpr std::chrono::seconds kStalledAfter{15};
-
-/// A connection that says no Hello within this time is ended: it holds a slot for nothing.
-inline constexpr std::chrono::seconds kGreetingWithin{10};
 
 diaphane::v1::Problem problem_of(const Error& error, std::uint64_t input_seq, bool fatal);
 /// kInvalid or kTooLarge, naming the side.
 Result<Canvas> check_viewport(const diaphane::v1::Viewport& viewport);
 
-/// A new connection takes the session; whatever the old one had under way counts no more.
-void attach(SessionState& state, TimePoint now);
-void detach(SessionState& state, TimePoint now);
+/// Who connects.
+struct Arrival {
+  std::string participant{kOwner};
+  std::string name;  ///< as typed
+  std::string link;
+};
+struct Attached {
+  std::uint64_t connection = 0;
+  std::optional<std::uint64_t> replaced;  ///< the same participant's connection before
+};
+/// kTooMany: kMostReceivers are here.
+Result<Attached> attach(SessionState& state, const Arrival& arrival, TimePoint now);
+/// What was under way to it counts no more. Nobody by that number: nothing happens.
+void detach(SessionState& state, std::uint64_t connection, TimePoint now);
 
 /// Anything that a browser says. Nothing it says is trusted.
-Outcome receive(SessionState& state, const diaphane::v1::ClientMessage& message, TimePoint now);
+Outcome receive(SessionState& state, std::uint64_t connection,
+                const diaphane::v1::ClientMessage& message, TimePoint now);
 
-/// The renderer took or refused what was wanted.
+/// The renderer took or refused what was wanted. The Problem is the presenter's.
 void began(SessionState& state, std::uint64_t epoch, const Wanted& wanted);
 Outcome refused(SessionState& state, const Wanted& wanted, const Error& why);
 
 enum class Admission { kGo, kWait, kDrop };
-/// Before encoding: goes, waits for room in its slot, or is of no use any more. kGo has taken a
-/// place of the flight window, which `depart` or `FlightWindow::release` must give back.
-Admission admit(SessionState& state, const FrameInfo& frame);
-/// Before sending: false when the frame is of no use any more, or of another connection's codec.
-bool still_useful(const SessionState& state, const FrameInfo& frame);
+struct Admitted {
+  Admission admission = Admission::kDrop;
+  bool key = false;  ///< the frame must be decodable without any before it
+};
+/// Before a picture is coded for all who receive `codec`. It goes when the presenter has room, or,
+/// where the presenter does not receive this codec, is away or has stalled, when anybody has. Who
+/// has none skips it: of JPEG just so, of an inter-coded stream until a key frame. kGo has taken
+/// places of the takers' flight windows, which `depart` or `release` must give back.
+Admitted admit(SessionState& state, diaphane::v1::Codec codec, const FrameInfo& frame,
+               TimePoint now);
 
-/// What leaves with a frame.
+/// A frame leaves for one receiver.
 struct Departure {
+  std::uint64_t connection = 0;
   std::uint64_t seq = 0;
   std::optional<diaphane::v1::State> state;  ///< sent after the frame
-  std::optional<double> input_to_frame;      ///< seconds, when this frame answers an input first
+  bool look = false;                         ///< the scene is due too: Look, sent before the frame
 };
-Departure depart(SessionState& state, const FrameInfo& frame, TimePoint now);
+struct Departures {
+  std::vector<Departure> frames;
+  std::optional<double> input_to_frame;  ///< seconds, when this frame answers an input first
+};
+/// After coding: for whom of the takers it is still of use. `key`: the frame is a key frame.
+Departures depart(SessionState& state, diaphane::v1::Codec codec, const FrameInfo& frame, bool key,
+                  TimePoint now);
+/// The frame was not made after all.
+void release(SessionState& state, diaphane::v1::Codec codec);
 
-/// Attached, and silent for too long.
-bool greeting_overdue(const SessionState& state, TimePoint now);
+/// Whether a picture for this codec would be admitted.
+bool has_room(const SessionState& state, diaphane::v1::Codec codec, TimePoint now);
+
+/// Connections that were silent for too long.
+std::vector<std::uint64_t> overdue_greetings(const SessionState& state, TimePoint now);
 
 /// Whether a quantum for it would be of use to anybody.
 bool watched(const SessionState& state, TimePoint now);

@@ -5,85 +5,36 @@
 #include <limits>
 #include <random>
 
+#include "renderd/session/test_messages.h"
+
 namespace diaphane::render {
 namespace {
 
 using std::chrono::milliseconds;
-
-v1::Scene plain_scene() {
-  v1::Scene scene;
-  v1::Channel& channel = *scene.mutable_transfer_function()->add_channels();
-  channel.set_name("bone");
-  for (const double value : {100.0, 1000.0}) {
-    v1::OpacityPoint& point = *channel.add_opacity();
-    point.set_value(value);
-    point.set_opacity(value / 1000);
-  }
-  channel.mutable_diffuse()->set_r(0.8);
-  channel.mutable_diffuse()->set_g(0.8);
-  channel.mutable_diffuse()->set_b(0.8);
-  scene.mutable_transfer_function()->set_extinction_per_mm(1);
-  v1::Rgb& sky = *scene.add_lights()->mutable_environment()->mutable_radiance();
-  sky.set_r(1);
-  sky.set_g(1);
-  sky.set_b(1);
-  scene.mutable_camera()->mutable_eye()->set_y(-500);
-  scene.mutable_camera()->mutable_target();
-  scene.mutable_camera()->mutable_up()->set_z(1);
-  scene.mutable_camera()->set_vertical_fov_degrees(40);
-  scene.mutable_phase();
-  scene.mutable_display()->mutable_background();
-  return scene;
-}
-
-v1::ClientMessage hello(std::uint32_t width = 640, std::uint32_t height = 480) {
-  v1::ClientMessage message;
-  v1::Hello& body = *message.mutable_hello();
-  body.set_protocol(1);
-  body.add_codecs(v1::JPEG);
-  body.mutable_viewport()->set_width(width);
-  body.mutable_viewport()->set_height(height);
-  return message;
-}
-
-v1::ClientMessage update(std::uint64_t seq, const v1::Scene& scene) {
-  v1::ClientMessage message;
-  message.mutable_scene()->set_input_seq(seq);
-  *message.mutable_scene()->mutable_scene() = scene;
-  return message;
-}
-
-v1::ClientMessage turned(std::uint64_t seq) {
-  v1::Scene scene = plain_scene();
-  scene.mutable_camera()->mutable_eye()->set_x(static_cast<double>(seq));
-  return update(seq, scene);
-}
-
-v1::ClientMessage ack(std::uint64_t seq) {
-  v1::ClientMessage message;
-  message.mutable_ack()->set_seq(seq);
-  return message;
-}
-
-FrameInfo frame(std::uint64_t epoch, bool first = true, std::uint64_t input_seq = 0) {
-  FrameInfo info;
-  info.epoch = epoch;
-  info.first_of_epoch = first;
-  info.input_seq = input_seq;
-  info.samples = first ? 1 : 2;
-  return info;
-}
 
 struct StateTest : testing::Test {
   StateTest() {
     state.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
     state.wanted.viewport = {512, 512};
     state.wanted.version = 1;
-    attach(state, now);
+    connect();
   }
-  Outcome say(const v1::ClientMessage& message) { return receive(state, message, now); }
+  void connect() { me = attach(state, {}, now)->connection; }
+  Outcome say(const v1::ClientMessage& message) { return receive(state, me, message, now); }
+  Admission admit(const FrameInfo& info) {
+    return render::admit(state, v1::JPEG, info, now).admission;
+  }
+  // What leaves to the one who is here, if it does.
+  std::optional<Departure> depart(const FrameInfo& info) {
+    departures = render::depart(state, v1::JPEG, info, true, now);
+    if (departures.frames.empty()) return std::nullopt;
+    return departures.frames.front();
+  }
+  Receiver& viewer() { return *state.audience.find(me); }
 
   SessionState state;
+  std::uint64_t me = 0;
+  Departures departures;
   TimePoint now = TimePoint{} + std::chrono::hours(1);
 };
 
@@ -105,7 +56,7 @@ TEST_F(StateTest, AGreetingOfAnotherProtocolOrWithoutAKnownCodecIsFatal) {
   v1::ClientMessage blind = hello();
   blind.mutable_hello()->clear_codecs();
   EXPECT_EQ(say(blind).problem->code(), "unsupported");
-  EXPECT_FALSE(state.greeted);
+  EXPECT_FALSE(viewer().greeted);
 }
 
 TEST_F(StateTest, TheNewestSceneWinsAndASecondCopyOfAnOldOneIsIgnored) {
@@ -122,7 +73,7 @@ TEST_F(StateTest, TheNewestSceneWinsAndASecondCopyOfAnOldOneIsIgnored) {
 TEST_F(StateTest, AReloadedPageMayCountFromOneAgain) {
   say(hello());
   say(turned(100));
-  attach(state, now);
+  connect();
   say(hello());
   EXPECT_TRUE(say(turned(1)).wake);
   EXPECT_EQ(state.wanted.scene->camera().eye().x(), 1);
@@ -149,7 +100,7 @@ TEST_F(StateTest, ASceneThatIsRefusedNamesItsFieldAndThePictureStays) {
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     v1::Scene scene = plain_scene();
     scene.mutable_camera()->mutable_eye()->set_y(wrong);
-    const std::uint64_t seq = state.newest_input + 1;
+    const std::uint64_t seq = viewer().newest_input + 1;
     const Outcome outcome = say(update(seq, scene));
     ASSERT_TRUE(outcome.problem);
     EXPECT_FALSE(outcome.problem->fatal());
@@ -210,15 +161,15 @@ TEST_F(StateTest, WhatTheRendererRefusesGoesBackToWhatIsShown) {
 TEST_F(StateTest, TwoFramesAreInFlightAndTheThirdWaitsForAnAcknowledgement) {
   say(hello());
   began(state, 1, state.wanted);
-  ASSERT_EQ(admit(state, frame(1)), Admission::kGo);
-  EXPECT_EQ(depart(state, frame(1), now).seq, 1U);
-  ASSERT_EQ(admit(state, frame(1, false)), Admission::kGo);
-  ASSERT_EQ(admit(state, frame(1, false)), Admission::kWait) << "one is being encoded";
-  EXPECT_EQ(depart(state, frame(1, false), now).seq, 2U);
-  EXPECT_EQ(admit(state, frame(1, false)), Admission::kWait);
+  ASSERT_EQ(admit(frame(1)), Admission::kGo);
+  EXPECT_EQ(depart(frame(1))->seq, 1U);
+  ASSERT_EQ(admit(frame(1, false)), Admission::kGo);
+  ASSERT_EQ(admit(frame(1, false)), Admission::kWait) << "one is being encoded";
+  EXPECT_EQ(depart(frame(1, false))->seq, 2U);
+  EXPECT_EQ(admit(frame(1, false)), Admission::kWait);
   EXPECT_FALSE(say(ack(3)).room) << "it was never sent";
   EXPECT_TRUE(say(ack(1)).room);
-  EXPECT_EQ(admit(state, frame(1, false)), Admission::kGo);
+  EXPECT_EQ(admit(frame(1, false)), Admission::kGo);
 }
 
 // The law that nothing ghosts, over random orders of everything that can happen.
@@ -238,21 +189,19 @@ TEST_F(StateTest, AnOlderEpochIsNeverSentAfterANewerNorARefinementOfThePast) {
       case 1: {
         const std::uint64_t of = epoch > 3 ? epoch - random() % 3 : epoch;
         const FrameInfo info = frame(of, random() % 2 == 0);
-        if (admit(state, info) == Admission::kGo) encoding.push_back(info);
+        if (admit(info) == Admission::kGo) encoding.push_back(info);
         break;
       }
       case 2:
         if (!encoding.empty()) {
           const FrameInfo info = encoding.front();
           encoding.erase(encoding.begin());
-          if (!still_useful(state, info)) {
-            state.flight.release();
-            break;
-          }
+          const auto departure = depart(info);
+          if (!departure) break;
           ASSERT_GE(info.epoch, newest_sent);
           ASSERT_TRUE(info.epoch == state.epoch || info.first_of_epoch);
           newest_sent = info.epoch;
-          seq = depart(state, info, now).seq;
+          seq = departure->seq;
           ++sent;
         }
         break;
@@ -270,9 +219,10 @@ TEST_F(StateTest, ADragFasterThanTheDeviceStillShowsPictures) {
     began(state, epoch, state.wanted);
     // Before this epoch's picture is encoded the next input is taken up.
     began(state, epoch + 1, state.wanted);
-    if (admit(state, frame(epoch)) != Admission::kGo) continue;
-    ASSERT_TRUE(still_useful(state, frame(epoch)));
-    say(ack(depart(state, frame(epoch), now).seq));
+    if (admit(frame(epoch)) != Admission::kGo) continue;
+    const auto departure = depart(frame(epoch));
+    ASSERT_TRUE(departure);
+    say(ack(departure->seq));
     ++sent;
   }
   EXPECT_EQ(sent, 50);
@@ -282,17 +232,17 @@ TEST_F(StateTest, ConvergenceIsToldOnceAndTakenBackWithTheNextEpoch) {
   say(hello());
   began(state, 1, state.wanted);
   FrameInfo last = frame(1);
-  admit(state, last);
-  EXPECT_FALSE(depart(state, last, now).state);
+  admit(last);
+  EXPECT_FALSE(depart(last)->state);
   last.converged = true;
-  admit(state, last);
-  const Departure told = depart(state, last, now);
+  admit(last);
+  const Departure told = *depart(last);
   ASSERT_TRUE(told.state);
   EXPECT_TRUE(told.state->converged());
   say(ack(2));
   began(state, 2, state.wanted);
-  admit(state, frame(2));
-  const Departure again = depart(state, frame(2), now);
+  admit(frame(2));
+  const Departure again = *depart(frame(2));
   ASSERT_TRUE(again.state);
   EXPECT_FALSE(again.state->converged());
   EXPECT_EQ(again.state->epoch(), 2U);
@@ -305,12 +255,13 @@ TEST_F(StateTest, LatencyIsMeasuredFromTheOldestInputThatNoFrameHasShown) {
   say(turned(2));
   began(state, 1, state.wanted);
   now += milliseconds(10);
-  admit(state, frame(1, true, 2));
-  const Departure departure = depart(state, frame(1, true, 2), now);
-  ASSERT_TRUE(departure.input_to_frame);
-  EXPECT_NEAR(*departure.input_to_frame, 0.020, 1e-9);
-  admit(state, frame(1, false, 2));
-  EXPECT_FALSE(depart(state, frame(1, false, 2), now).input_to_frame);
+  admit(frame(1, true, 2));
+  ASSERT_TRUE(depart(frame(1, true, 2)));
+  ASSERT_TRUE(departures.input_to_frame);
+  EXPECT_NEAR(*departures.input_to_frame, 0.020, 1e-9);
+  admit(frame(1, false, 2));
+  ASSERT_TRUE(depart(frame(1, false, 2)));
+  EXPECT_FALSE(departures.input_to_frame);
 }
 
 TEST_F(StateTest, NobodyWatchesWhatIsHiddenDetachedOrNotAcknowledged) {
@@ -328,45 +279,45 @@ TEST_F(StateTest, NobodyWatchesWhatIsHiddenDetachedOrNotAcknowledged) {
   EXPECT_TRUE(state.wanted.picture_again);
 
   began(state, 1, state.wanted);
-  admit(state, frame(1));
-  depart(state, frame(1), now);
+  admit(frame(1));
+  depart(frame(1));
   now += kStalledAfter + milliseconds(1);
   EXPECT_FALSE(watched(state, now));
   say(ack(1));
   EXPECT_TRUE(watched(state, now));
-  detach(state, now);
+  detach(state, me, now);
   EXPECT_FALSE(watched(state, now));
-  EXPECT_EQ(admit(state, frame(1)), Admission::kDrop);
+  EXPECT_EQ(admit(frame(1)), Admission::kDrop);
 }
 
 TEST_F(StateTest, AnAttachedViewerStartsWithAFrameOfWhatThereIs) {
   say(hello());
   began(state, 5, state.wanted);
-  admit(state, frame(5));
-  depart(state, frame(5), now);
-  detach(state, now);
+  admit(frame(5));
+  depart(frame(5));
+  detach(state, me, now);
   state.wanted.picture_again = false;
-  attach(state, now);
-  EXPECT_EQ(admit(state, frame(5, false)), Admission::kWait) << "not greeted yet";
+  connect();
+  EXPECT_EQ(admit(frame(5, false)), Admission::kDrop) << "not greeted yet";
   EXPECT_TRUE(say(hello()).configure);
   EXPECT_TRUE(state.wanted.picture_again);
-  ASSERT_EQ(admit(state, frame(5, false)), Admission::kGo);
-  EXPECT_EQ(depart(state, frame(5, false), now).seq, 1U);
+  ASSERT_EQ(admit(frame(5, false)), Admission::kGo);
+  EXPECT_EQ(depart(frame(5, false))->seq, 1U);
 }
 
 /// The switch of the denoiser changes the picture, so it is a new version of what is wanted.
 TEST(SessionState, RawPicturesAreWantedOnlyWhereAskedFor) {
   SessionState state;
   const TimePoint now{};
-  attach(state, now);
-  ASSERT_FALSE(receive(state, hello(), now).problem);
-  ASSERT_FALSE(receive(state, turned(1), now).problem);
+  const std::uint64_t me = attach(state, {}, now)->connection;
+  ASSERT_FALSE(receive(state, me, hello(), now).problem);
+  ASSERT_FALSE(receive(state, me, turned(1), now).problem);
   EXPECT_FALSE(state.wanted.raw);
   const std::uint64_t version = state.wanted.version;
   v1::ClientMessage raw = turned(1);
   raw.mutable_scene()->set_input_seq(2);
   raw.mutable_scene()->set_raw(true);
-  ASSERT_FALSE(receive(state, raw, now).problem);
+  ASSERT_FALSE(receive(state, me, raw, now).problem);
   EXPECT_TRUE(state.wanted.raw);
   EXPECT_EQ(state.wanted.version, version + 1);
 }

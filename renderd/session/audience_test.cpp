@@ -1,0 +1,299 @@
+#include "renderd/session/audience.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "renderd/session/test_messages.h"
+
+namespace diaphane::render {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr char kAnn[] = "00000000-0000-4000-8000-00000000000a";
+constexpr char kBob[] = "00000000-0000-4000-8000-00000000000b";
+
+v1::ClientMessage handover(const std::string& to) {
+  v1::ClientMessage message;
+  message.mutable_handover()->set_to(to);
+  return message;
+}
+
+v1::ClientMessage resized(std::uint64_t seq, std::uint32_t width, std::uint32_t height) {
+  v1::ClientMessage message;
+  message.mutable_scene()->set_input_seq(seq);
+  message.mutable_scene()->mutable_viewport()->set_width(width);
+  message.mutable_scene()->mutable_viewport()->set_height(height);
+  return message;
+}
+
+v1::ClientMessage hello_for(v1::Codec codec) {
+  v1::ClientMessage message = hello();
+  message.mutable_hello()->clear_codecs();
+  message.mutable_hello()->add_codecs(codec);
+  return message;
+}
+
+struct AudienceTest : testing::Test {
+  AudienceTest() {
+    state.codecs = {v1::JPEG, v1::H264};
+    state.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
+    state.wanted.version = 1;
+  }
+  std::uint64_t arrive(const std::string& participant, const std::string& name = {}) {
+    return attach(state, {participant, name, {}}, now)->connection;
+  }
+  std::uint64_t join(const std::string& participant, v1::Codec codec = v1::JPEG) {
+    const std::uint64_t connection = arrive(participant);
+    EXPECT_FALSE(say(connection, hello_for(codec)).problem);
+    return connection;
+  }
+  Outcome say(std::uint64_t connection, const v1::ClientMessage& message) {
+    return receive(state, connection, message, now);
+  }
+  // Codes one picture; who got it, and under which number.
+  std::map<std::uint64_t, std::uint64_t> show(v1::Codec codec = v1::JPEG) {
+    const FrameInfo info = frame(state.epoch, false, state.wanted.input_seq);
+    const Admitted admitted = admit(state, codec, info, now);
+    last_key = admitted.key;
+    std::map<std::uint64_t, std::uint64_t> got;
+    if (admitted.admission != Admission::kGo) return got;
+    last = depart(state, codec, info, codec == v1::JPEG || admitted.key, now);
+    for (const Departure& one : last.frames) got[one.connection] = one.seq;
+    return got;
+  }
+  void acknowledge(const std::map<std::uint64_t, std::uint64_t>& got, std::uint64_t connection) {
+    const auto found = got.find(connection);
+    if (found != got.end()) say(connection, ack(found->second));
+  }
+
+  SessionState state;
+  Departures last;
+  bool last_key = false;
+  TimePoint now = TimePoint{} + std::chrono::hours(1);
+};
+
+TEST_F(AudienceTest, OnePictureGoesToAllWhoAreHereEachUnderItsOwnNumber) {
+  const auto owner = join(std::string(kOwner));
+  auto got = show();
+  acknowledge(got, owner);
+  const auto ann = join(kAnn);
+  const auto bob = join(kBob);
+  got = show();
+  EXPECT_EQ(got, (std::map<std::uint64_t, std::uint64_t>{{owner, 2}, {ann, 1}, {bob, 1}}));
+}
+
+TEST_F(AudienceTest, AFollowerWhoTakesNothingSlowsNeitherPresenterNorFollowers) {
+  const auto owner = join(std::string(kOwner));
+  const auto ann = join(kAnn);
+  const auto stuck = join(kBob);
+  int to_owner = 0, to_ann = 0, to_stuck = 0;
+  for (int i = 0; i < 100; ++i) {
+    const auto got = show();
+    to_owner += static_cast<int>(got.count(owner));
+    to_ann += static_cast<int>(got.count(ann));
+    to_stuck += static_cast<int>(got.count(stuck));
+    acknowledge(got, owner);
+    acknowledge(got, ann);
+  }
+  EXPECT_EQ(to_owner, 100);
+  EXPECT_EQ(to_ann, 100);
+  EXPECT_EQ(to_stuck, 2);
+}
+
+TEST_F(AudienceTest, WhoMissedAPictureGetsOneWhenItHasRoomAndTheOthersNotAgain) {
+  const auto owner = join(std::string(kOwner));
+  const auto slow = join(kAnn);
+  for (int i = 0; i < 3; ++i) acknowledge(show(), owner);
+  state.wanted.picture_again = false;
+  EXPECT_TRUE(say(slow, ack(2)).room);
+  EXPECT_TRUE(state.wanted.picture_again) << "nothing else would bring it the last picture";
+  // The same picture once more.
+  FrameInfo same = *state.audience.find(owner)->shown;
+  ASSERT_EQ(admit(state, v1::JPEG, same, now).admission, Admission::kGo);
+  last = depart(state, v1::JPEG, same, true, now);
+  ASSERT_EQ(last.frames.size(), 1U);
+  EXPECT_EQ(last.frames[0].connection, slow);
+}
+
+TEST_F(AudienceTest, ThePresenterSetsThePaceUntilHeStalls) {
+  const auto owner = join(std::string(kOwner));
+  const auto ann = join(kAnn);
+  for (int i = 0; i < 2; ++i) acknowledge(show(), ann);
+  EXPECT_TRUE(show().empty()) << "the presenter has no room";
+  EXPECT_FALSE(has_room(state, v1::JPEG, now));
+  now += kPaceFor;
+  EXPECT_TRUE(has_room(state, v1::JPEG, now));
+  EXPECT_EQ(show().count(ann), 1U);
+  detach(state, owner, now);
+  say(ann, ack(3));
+  EXPECT_EQ(show().count(ann), 1U) << "without a presenter anybody sets it";
+}
+
+// Streams whose frames build on each other: nobody gets a frame whose forerunner it has not got.
+TEST_F(AudienceTest, AnInterCodedStreamIsTakenUpFromAKeyFrameAlone) {
+  const auto owner = join(std::string(kOwner), v1::H264);
+  auto got = show(v1::H264);
+  EXPECT_TRUE(last_key);
+  acknowledge(got, owner);
+  const auto slow = join(kAnn, v1::H264);
+  now += kKeyEvery;
+  bool complete = false;  // whether `slow` has all since its last key frame
+  int keys = 0;
+  TimePoint key_at{};
+  for (int i = 0; i < 400; ++i) {
+    got = show(v1::H264);
+    acknowledge(got, owner);
+    ASSERT_EQ(got.count(owner), 1U);
+    if (last_key) {
+      ++keys;
+      EXPECT_GE(now - key_at, kKeyEvery);
+      key_at = now;
+      complete = got.contains(slow);
+    }
+    ASSERT_TRUE(!got.contains(slow) || complete) << "a frame that cannot be decoded";
+    if (!got.contains(slow)) complete = false;
+    if (i % 5 == 0) {
+      const auto& flight = state.audience.find(slow)->flight;
+      if (flight.unacknowledged() > 0) say(slow, ack(state.audience.find(slow)->flight.sent()));
+    }
+    now += milliseconds(16);
+  }
+  EXPECT_GT(keys, 3);
+  EXPECT_LE(keys, 400 * 16 / 500 + 2);
+}
+
+TEST_F(AudienceTest, EachCodecHasAStreamOfItsOwn) {
+  const auto owner = join(std::string(kOwner), v1::H264);
+  const auto ann = join(kAnn, v1::JPEG);
+  EXPECT_EQ(show(v1::H264).count(ann), 0U);
+  EXPECT_EQ(show(v1::H264).count(owner), 1U);
+  EXPECT_TRUE(show(v1::H264).empty()) << "the presenter has no room";
+  EXPECT_EQ(show(v1::JPEG).count(ann), 1U) << "but the other stream is not his";
+}
+
+TEST_F(AudienceTest, AFollowersSceneIsRefusedAndHisCanvasChangesNothing) {
+  join(std::string(kOwner));
+  const auto ann = join(kAnn);
+  const Wanted before = state.wanted;
+  const Outcome refused = say(ann, turned(1));
+  ASSERT_TRUE(refused.problem);
+  EXPECT_EQ(refused.problem->code(), "forbidden");
+  EXPECT_EQ(refused.problem->input_seq(), 1U);
+  EXPECT_FALSE(refused.problem->fatal());
+  EXPECT_FALSE(say(ann, resized(2, 100, 50)).problem);
+  EXPECT_EQ(state.wanted.version, before.version);
+  EXPECT_EQ(state.wanted.viewport, before.viewport);
+  EXPECT_EQ(state.wanted.scene, before.scene);
+}
+
+TEST_F(AudienceTest, ThePresenterGivesHisRoleAndTheOtherTakesUpSceneAndSize) {
+  const auto owner = join(std::string(kOwner));
+  const auto ann = join(kAnn);
+  say(ann, resized(1, 300, 200));
+  EXPECT_EQ(say(ann, handover(kAnn)).problem->code(), "forbidden") << "nobody takes it by himself";
+  EXPECT_EQ(say(owner, handover(kBob)).problem->code(), "not_found");
+  const Outcome given = say(owner, handover(kAnn));
+  EXPECT_FALSE(given.problem);
+  EXPECT_TRUE(given.presenter);
+  EXPECT_TRUE(given.audience);
+  EXPECT_EQ(state.wanted.viewport, (Canvas{300, 200}));
+  EXPECT_FALSE(say(ann, turned(2)).problem);
+  EXPECT_EQ(state.wanted.scene->camera().eye().x(), 2);
+  EXPECT_EQ(say(owner, turned(1)).problem->code(), "forbidden");
+}
+
+TEST_F(AudienceTest, TheOwnerTakesTheRoleOnlyFromAPresenterWhoHasGone) {
+  const auto owner = join(std::string(kOwner));
+  const auto ann = join(kAnn);
+  const auto bob = join(kBob);
+  say(owner, handover(kAnn));
+  EXPECT_EQ(say(owner, handover(std::string(kOwner))).problem->code(), "forbidden");
+  detach(state, ann, now);
+  EXPECT_TRUE(say(owner, handover(std::string(kOwner))).problem) << "she may be reloading her page";
+  now += kPresenterAway;
+  EXPECT_TRUE(say(bob, handover(kBob)).problem) << "he is not the owner";
+  EXPECT_FALSE(say(owner, handover(std::string(kOwner))).problem);
+  EXPECT_FALSE(say(owner, turned(1)).problem);
+  // She comes back, and follows.
+  const auto again = join(kAnn);
+  EXPECT_EQ(say(again, turned(1)).problem->code(), "forbidden");
+}
+
+TEST_F(AudienceTest, ASecondConnectionOfOneParticipantReplacesTheFirstAndNobodyElse) {
+  const auto owner = join(std::string(kOwner));
+  const auto ann = join(kAnn);
+  const auto attached = attach(state, {kAnn, {}, {}}, now);
+  ASSERT_TRUE(attached);
+  EXPECT_EQ(attached->replaced, ann);
+  EXPECT_TRUE(state.audience.find(owner));
+  EXPECT_FALSE(state.audience.find(ann));
+  EXPECT_FALSE(say(ann, turned(1)).problem) << "what the old one still says is not heard";
+}
+
+TEST_F(AudienceTest, AFollowerIsToldTheSceneWithThePictureOfIt) {
+  const auto owner = join(std::string(kOwner));
+  const auto ann = join(kAnn);
+  state.audience.find(ann)->look_version = state.wanted.version;
+  began(state, 1, state.wanted);
+  auto got = show();
+  for (const Departure& one : last.frames) EXPECT_FALSE(one.look);
+  say(owner, turned(1));
+  began(state, 2, state.wanted);
+  show();
+  ASSERT_EQ(last.frames.size(), 2U);
+  for (const Departure& one : last.frames) EXPECT_EQ(one.look, one.connection == ann);
+}
+
+TEST_F(AudienceTest, MoreThanCanBeAreRefused) {
+  for (std::size_t i = 0; i < kMostReceivers; ++i) arrive("guest " + std::to_string(i));
+  const auto refused = attach(state, {"one more", {}, {}}, now);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kTooMany);
+  EXPECT_TRUE(attach(state, {"guest 3", {}, {}}, now)) << "one who comes back takes no new place";
+}
+
+TEST_F(AudienceTest, WhoIsHereIsToldWithNamesAndNothingElse) {
+  const auto owner = join(std::string(kOwner));
+  const auto ann = arrive(kAnn,
+                          "  Dr.\t\xE2\x80\xAE"
+                          "Ann  ");
+  say(ann, hello());
+  const auto bob = join(kBob);
+  const v1::Audience told = audience_for(state.audience, *state.audience.find(ann));
+  EXPECT_EQ(told.you(), kAnn);
+  ASSERT_EQ(told.participants_size(), 3);
+  EXPECT_TRUE(told.participants(0).owner());
+  EXPECT_TRUE(told.participants(0).presenter());
+  EXPECT_EQ(told.participants(1).name(), "Dr. Ann");
+  EXPECT_EQ(told.participants(2).name(), "Guest 1");
+  // The same number after a reconnection.
+  detach(state, bob, now);
+  join("00000000-0000-4000-8000-00000000000c");
+  const auto back = join(kBob);
+  EXPECT_EQ(state.audience.find(back)->name, "Guest 1");
+  (void)owner;
+}
+
+TEST(CleanName, IsShortVisibleText) {
+  EXPECT_EQ(clean_name("Ann"), "Ann");
+  EXPECT_EQ(clean_name(" \n\tA  B "), "A B");
+  EXPECT_EQ(clean_name("J\xC3\xB6rg \xE6\x9D\x8E"), "J\xC3\xB6rg \xE6\x9D\x8E");
+  EXPECT_EQ(clean_name(std::string("a\0b\x07"
+                                   "c",
+                                   5)),
+            "abc");
+  EXPECT_EQ(clean_name("a\xE2\x80\x8B\xE2\x80\xAE\xEF\xBB\xBF"
+                       "b"),
+            "ab");
+  EXPECT_EQ(clean_name("\xC0\x80\xED\xA0\x80\xFF\xF5\x80\x80\x80"
+                       "x\xE2\x82"),
+            "x");
+  EXPECT_EQ(clean_name(std::string(500, 'a')), std::string(kLongestName, 'a'));
+  EXPECT_EQ(clean_name(" \xE2\x80\x8B "), "");
+}
+
+}  // namespace
+}  // namespace diaphane::render
