@@ -18,10 +18,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 from harness import REPO
-
-# Without the last ones Chromium tries to reach its maker at every start.
-CHROMIUM_ARGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-                 "--disable-background-networking", "--disable-component-update", "--disable-sync"]
+from house import chromium
 
 expect.set_options(timeout=20_000)  # other tests and builds may share the cores
 
@@ -29,8 +26,7 @@ expect.set_options(timeout=20_000)  # other tests and builds may share the cores
 @pytest.fixture(scope="session")
 def browser():
     with sync_playwright() as playwright:
-        path = os.environ.get("DIAPHANE_CHROMIUM", "/usr/bin/chromium")
-        browser = playwright.chromium.launch(executable_path=path, args=CHROMIUM_ARGS)
+        browser = playwright.chromium.launch(executable_path=chromium.path(), args=chromium.ARGS)
         yield browser
         browser.close()
 

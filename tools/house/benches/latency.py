@@ -1,0 +1,149 @@
+"""From a hand's movement to the pixels of the canvas, in Chromium, over the whole way on one machine.
+
+The worker draws the number of the newest input into each picture (renderd/encode/frame_mark.h); the page's canvas is read
+back before each picture of the screen (latency_probe.js). The time of an input is the browser's own stamp of the event."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import random
+import statistics
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from .. import chromium, paths
+from ..bench import Result, percentile, result
+from ..bench_client import Person, cranium
+from ..bench_stack import running
+from ..says import HouseError, say
+from ..stack import Stack
+
+ABOUT = "milliseconds from a movement to the canvas that shows it, in Chromium at 720p, codec by codec (p50, p95)"
+PAGE = True
+
+WIDTH, HEIGHT = 1280, 720
+CODECS = {"H264": 2, "JPEG": 1, "MPEG1": 3}
+P50_MS, P95_MS = 25, 60
+REPEATS = 3
+
+
+@dataclass(frozen=True)
+class Step:
+    """One input on its way; milliseconds. `other` is what no stamp divides: sockets, edge, gateway, waiting for the device."""
+
+    whole: float
+    to_send: float
+    render: float
+    encode: float
+    other: float
+    decode: float
+    present: float
+
+    @property
+    def without_render(self) -> float:
+        return self.whole - self.render
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--codec", choices=sorted(CODECS), action="append", help="only this one; may be given again")
+    parser.add_argument("--max-error", default="0.5", help="where the worker stops refining: a small one keeps its device "
+                        "busy between inputs [default 0.5: after the first pictures]")
+
+
+def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
+    from playwright.sync_api import sync_playwright
+
+    inputs = 60 if quick else 200
+    with running(DIAPHANE_MARK_FRAMES="1", DIAPHANE_MAX_ERROR=options.max_error) as stack, \
+            tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        person = Person(stack)
+        data_set = person.upload(cranium(stack, Path(folder)))
+        person.wait_ready(data_set)
+        browser = playwright.chromium.launch(executable_path=chromium.path(), args=chromium.ARGS)
+        results: list[Result] = []
+        for codec in options.codec or CODECS:
+            blocks = [_block(browser, stack, person, data_set, codec, inputs, number) for number in range(REPEATS)]
+            results += _results(codec, [block for block in blocks if block])
+        browser.close()
+    if not results:
+        raise HouseError("no codec could be measured")
+    return results
+
+
+def _block(browser, stack: Stack, person: Person, data_set: str, codec: str, inputs: int, seed: int) -> list[Step]:
+    """A page of its own; nothing where it did not get that codec."""
+    context = browser.new_context(viewport={"width": WIDTH, "height": HEIGHT})
+    try:
+        url = stack.settings.url
+        context.add_cookies([{"name": c.name, "value": c.value, "url": url} for c in person.http.cookies.jar])
+        context.add_init_script(f"localStorage.setItem('diaphane.codecs', '{codec}')")
+        context.add_init_script(path=paths.TOOLS / "house" / "latency_probe.js")
+        page = context.new_page()
+        page.goto(f"{url}/view/{data_set}")
+        page.wait_for_selector("canvas[data-samples]", timeout=30_000)
+        if (got := page.evaluate("diaphaneProbe.codec")) != CODECS[codec]:
+            say(f"{codec}: the page was given codec {got}")
+            return []
+        _drag(page, inputs, random.Random(seed))
+        return _steps(_all_shown(page))
+    finally:
+        context.close()
+
+
+def _drag(page, inputs: int, chance: random.Random) -> None:
+    """Round in a circle about the middle, at a hand's pace that keeps no step with the screen."""
+    def at(n: int) -> tuple[float, float]:
+        return WIDTH / 2 + 120 * math.cos(n / 9), HEIGHT / 2 + 90 * math.sin(n / 9)
+
+    page.mouse.move(*at(0))
+    page.mouse.down()
+    for n in range(1, inputs + 1):
+        time.sleep(chance.uniform(0.045, 0.075))
+        page.mouse.move(*at(n))
+    page.mouse.up()
+
+
+def _all_shown(page) -> dict:
+    """The probe's notes. (The page's policy forbids wait_for_function.)"""
+    deadline = time.monotonic() + 20
+    while time.monotonic() < deadline:
+        probe = page.evaluate("diaphaneProbe")
+        if probe["inputs"] and all(one["shown"] > 0 for one in probe["inputs"]):
+            return probe
+        time.sleep(0.1)
+    raise TimeoutError("the canvas does not show the last input's number: does the worker draw marks?")
+
+
+def _steps(probe: dict) -> list[Step]:
+    steps = []
+    for one in probe["inputs"]:
+        frame = next((f for f in probe["frames"] if f["input_seq"] >= one["input_seq"]), None)
+        ack = frame and probe["acks"].get(str(frame["seq"]))
+        if not ack or not ack["presented_us"]:
+            continue  # replaced by a newer one before it was shown: `shown` is that one's
+        render, encode = frame["render_us"] / 1e3, frame["encode_us"] / 1e3
+        received, decoded = ack["received_us"] / 1e3, ack["decoded_us"] / 1e3
+        steps.append(Step(whole=one["shown"] - one["event"], to_send=one["sent"] - one["event"], render=render, encode=encode,
+                          other=received - one["sent"] - render - encode, decode=decoded - received, present=one["shown"] - decoded))
+    return steps
+
+
+def _results(codec: str, blocks: list[list[Step]]) -> list[Result]:
+    if not blocks:
+        return []
+
+    def pick(name: str, percent: float) -> list[float]:
+        return [percentile([getattr(step, name) for step in block], percent) for block in blocks]
+
+    say(f"{codec}: {sum(map(len, blocks))} inputs")
+    parts = [("movement to socket", "to_send"), ("render", "render"), ("encode", "encode"),
+             ("sockets, edge, gateway, waiting", "other"), ("decode", "decode"), ("decoded to the screen's next picture", "present")]
+    return [result(f"{codec}: without render, p50", pick("without_render", 50), "ms", at_most=P50_MS),
+            result(f"{codec}: without render, p95", pick("without_render", 95), "ms", at_most=P95_MS),
+            result(f"{codec}: with render, p50", pick("whole", 50), "ms"),
+            result(f"{codec}: with render, p95", pick("whole", 95), "ms"),
+            *(result(f"{codec}:   {shown}, median", [statistics.median(getattr(s, name) for s in b) for b in blocks], "ms")
+              for shown, name in parts)]
