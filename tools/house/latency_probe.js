@@ -49,7 +49,13 @@
   };
 
   let moved = null;
-  addEventListener("pointermove", (event) => (moved = { event: event.timeStamp, handled: performance.now() }), { capture: true });
+  let last = "";
+  const moves = (event) => {
+    const at = `${event.clientX} ${event.clientY}`;
+    if (at !== last) moved ??= { event: event.timeStamp }; // the browser tells a move twice: raw, and with the next picture
+    last = at;
+  };
+  for (const kind of ["pointerrawupdate", "pointermove"]) addEventListener(kind, moves, { capture: true });
 
   const heard = (bytes) => {
     each_field(bytes, (kind, body) => {

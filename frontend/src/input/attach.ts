@@ -22,11 +22,22 @@ export function attach_gestures(element: HTMLElement, act: (gesture: Gesture) =>
     element.setPointerCapture(event.pointerId);
     element.dataset.held = "";
   }, passive);
-  element.addEventListener("pointermove", (event) => {
+  const moved = (event: PointerEvent) => {
     if (!gestures.active) return;
     const area = { width: element.clientWidth, height: element.clientHeight };
     for (const gesture of gestures.move(sample(event), area)) act(gesture);
-  }, passive);
+  };
+  element.addEventListener("pointermove", moved, passive);
+  // A move is told with the next picture of the screen; by some browsers sooner, and then the first since the last
+  // picture is acted on at once. Not the others: a mouse may tell a thousand a second.
+  let early = false;
+  const moved_early = (event: Event) => {
+    if (early || !(event instanceof PointerEvent)) return;
+    early = true;
+    requestAnimationFrame(() => (early = false));
+    moved(event);
+  };
+  element.addEventListener("pointerrawupdate", moved_early, passive);
   const released = (event: PointerEvent) => {
     gestures.up(event.pointerId);
     if (!gestures.active) delete element.dataset.held;

@@ -37,6 +37,12 @@ describe("the mouse", () => {
     gestures.up(1);
     expect(gestures.move(at(20, 0), area)).toEqual([]);
   });
+  it("that is told the same place twice has moved once", () => {
+    const gestures = new Gestures();
+    gestures.down(at(0, 0));
+    expect(gestures.move(at(10, 0), area)).toHaveLength(1);
+    expect(gestures.move(at(10, 0), area)).toEqual([]);
+  });
   it("wheels there and back to where it was, whatever the unit, and never in one leap", () => {
     expect(wheel_zoom(-120, 0, false) * wheel_zoom(120, 0, false)).toBeCloseTo(1, 12);
     expect(wheel_zoom(-3, 1, false)).toBeGreaterThan(1);

@@ -49,6 +49,7 @@ export class Gestures {
   move(sample: PointerSample, area: Area): Gesture[] {
     const held = this.held_.get(sample.id);
     if (!held || area.height <= 0) return [];
+    if (sample.x === held.x && sample.y === held.y) return []; // told already, and a new scene would begin a new picture
     const others = [...this.held_].filter(([id, other]) => id !== sample.id && other.touch).map(([, other]) => other);
     const now: Held = { ...held, x: sample.x, y: sample.y };
     this.held_.set(sample.id, now);

@@ -99,17 +99,21 @@ describe("the stream client", () => {
     expect(world.sent[0]?.body.value).toMatchObject({ protocol: 1, codecs: [Codec.JPEG], stills: [StillFormat.PNG], pixelRatio: 2, viewport: { width: 640 } });
   });
 
-  it("sends the newest scene once a screen picture, numbered upwards", async () => {
+  it("sends a scene at once, and of those that follow only the newest with the next screen picture", async () => {
     await world.live();
     for (const x of [2, 3, 4]) world.client.set_scene(scene(x));
-    expect(world.updates()).toEqual([]);
+    expect(world.updates()).toEqual([{ seq: 1, x: 2 }]);
     world.screen();
     world.client.set_scene(scene(5));
+    expect(world.updates()).toHaveLength(2);
     world.screen();
     world.screen();
+    world.client.set_scene(scene(6));
     expect(world.updates()).toEqual([
-      { seq: 1, x: 4 },
-      { seq: 2, x: 5 },
+      { seq: 1, x: 2 },
+      { seq: 2, x: 4 },
+      { seq: 3, x: 5 },
+      { seq: 4, x: 6 },
     ]);
   });
 

@@ -59,8 +59,8 @@ export interface StreamEvents {
 }
 
 /**
- * Speaks api/proto/stream.proto. Holds the scene as the person wants it: absolute, the newest wins, sent at most once
- * a screen picture, and sent again to a worker that does not have it.
+ * Speaks api/proto/stream.proto. Holds the scene as the person wants it: absolute, the newest wins, sent at once but at
+ * most once a screen picture, and sent again to a worker that does not have it.
  */
 export class StreamClient {
   private state_: ConnectionState = first_state;
@@ -76,7 +76,7 @@ export class StreamClient {
   private input_seq_ = 0;
   private scene_pending_ = false;
   private viewport_pending_ = false;
-  private flush_planned_ = false;
+  private holding_ = false;
 
   constructor(
     private readonly around_: Surroundings,
@@ -150,18 +150,20 @@ export class StreamClient {
     if (times.presented_ms !== undefined) this.happened({ kind: "picture" });
   }
 
+  /** At once, unless something was sent since the last picture of the screen: then with the next, as it is by then. */
   private plan_flush(): void {
-    if (this.flush_planned_) return;
-    this.flush_planned_ = true;
+    if (this.holding_ || !this.flush()) return;
+    this.holding_ = true;
     this.around_.next_frame(() => {
-      this.flush_planned_ = false;
-      this.flush();
+      this.holding_ = false;
+      this.plan_flush();
     });
   }
 
-  private flush(): void {
-    if (!this.scene_pending_ && !this.viewport_pending_) return;
-    if (this.state_.phase !== "live" || !this.socket_) return; // said by `configured` once there is a connection
+  /** Whether there was something to send, and somebody to hear it. */
+  private flush(): boolean {
+    if (!this.scene_pending_ && !this.viewport_pending_) return false;
+    if (this.state_.phase !== "live" || !this.socket_) return false; // said by `configured` once there is a connection
     this.input_seq_ += 1;
     this.socket_.send(
       encode_scene(this.input_seq_, {
@@ -171,6 +173,7 @@ export class StreamClient {
     );
     this.scene_pending_ = false;
     this.viewport_pending_ = false;
+    return true;
   }
 
   private configured(config: Config): void {
