@@ -178,8 +178,13 @@ int run(int argc, char** argv) {
   worker_options.runner.device_lost = leave_broken_device;
   RenderWorker worker(worker_options, std::move(*engine), metrics, clock);
 
-  auto server = GrpcServer::start({settings.grpc_address, settings.grpc_port}, worker.host(),
-                                  worker.stills(), metrics);
+  GrpcServer::Options server_options;
+  server_options.address = settings.grpc_address;
+  server_options.port = settings.grpc_port;
+  // A gateway has one connection for all its sessions here, and asks for thumbnails on it.
+  server_options.most_streams =
+      std::max(server_options.most_streams, static_cast<int>(settings.slots) + 64);
+  auto server = GrpcServer::start(server_options, worker.host(), worker.stills(), metrics);
   if (!server) {
     std::fprintf(stderr, "--grpc-port: %s\n", server.error().message.c_str());
     return kExitUnavailable;
@@ -198,6 +203,7 @@ int run(int argc, char** argv) {
     while (!stop.wait_for(milliseconds(200))) {
       worker.host().tick();
       (*server)->sweep();
+      metrics.device(worker.runner().times());
     }
 
     log::info("draining");

@@ -5,6 +5,10 @@
 #include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 
+#include <algorithm>
+
+#include "renderd/schedule/runner.h"
+
 namespace diaphane::render {
 namespace {
 
@@ -46,7 +50,11 @@ struct Metrics::Impl {
                         .Help("Calls that ended with an error, by status.")
                         .Register(r)),
         redis_errors(counter(r, "diaphane_renderd_redis_errors_total",
-                             "Heartbeats and scenes that could not be written.")) {}
+                             "Heartbeats and scenes that could not be written.")),
+        device_seconds(prometheus::BuildCounter()
+                           .Name("diaphane_renderd_device_seconds_total")
+                           .Help("Where the time of the device's thread went.")
+                           .Register(r)) {}
 
   prometheus::Gauge& sessions;
   prometheus::Counter& samples;
@@ -61,6 +69,7 @@ struct Metrics::Impl {
   prometheus::Histogram& stills;
   prometheus::Family<prometheus::Counter>& grpc_errors;
   prometheus::Counter& redis_errors;
+  prometheus::Family<prometheus::Counter>& device_seconds;
 };
 
 Metrics::Metrics(prometheus::Registry& registry) : impl_(std::make_unique<Impl>(registry)) {}
@@ -87,5 +96,16 @@ void Metrics::grpc_error(const std::string& status) {
   impl_->grpc_errors.Add({{"status", status}}).Increment();
 }
 void Metrics::redis_error() { impl_->redis_errors.Increment(); }
+void Metrics::device(const RunnerTimes& times) {
+  const auto tell = [&](const char* part, double seconds) {
+    prometheus::Counter& counter = impl_->device_seconds.Add({{"part", part}});
+    counter.Increment(std::max(0.0, seconds - counter.Value()));
+  };
+  tell("rendering", times.rendering);
+  tell("scenes", times.scenes);
+  tell("pictures", times.pictures);
+  tell("deciding", times.deciding);
+  tell("idle", times.idle);
+}
 
 }  // namespace diaphane::render

@@ -10,6 +10,8 @@ class Registry;
 
 namespace diaphane::render {
 
+struct RunnerTimes;
+
 /// What renderd counts, by intention; thread-safe. The only place that names the metrics.
 class Metrics {
  public:
@@ -28,6 +30,8 @@ class Metrics {
   /// `status` is a gRPC status name: a closed set.
   void grpc_error(const std::string& status);
   void redis_error();
+  /// Where the device's time went until now; by one thread at a time.
+  void device(const RunnerTimes& times);
 
  private:
   struct Impl;

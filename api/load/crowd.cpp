@@ -1,0 +1,188 @@
+#include "api/load/crowd.h"
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "api/load/hands.h"
+#include "common/ids.h"
+
+namespace diaphane::api::load {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+// Opening at once as many as a page's own reloads would.
+constexpr std::size_t kOpeningAtOnce = 32;
+
+Clock::duration duration_of(double seconds) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+class Threads {
+ public:
+  Threads(boost::asio::io_context& io, unsigned count)
+      : io_(io), guard_(boost::asio::make_work_guard(io)) {
+    for (unsigned i = 0; i < count; ++i) threads_.emplace_back([&] { io_.run(); });
+  }
+  ~Threads() { stop(); }
+  void stop() {
+    guard_.reset();
+    io_.stop();
+    for (std::thread& thread : threads_) {
+      if (thread.joinable()) thread.join();
+    }
+  }
+
+ private:
+  boost::asio::io_context& io_;
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> guard_;
+  std::vector<std::thread> threads_;
+};
+
+// Who is ready, counted from many strands.
+class Openings {
+ public:
+  void wait_below(std::size_t most, Clock::time_point until) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_until(lock, until, [&] { return begun_ - ended_ < most; });
+  }
+  void begun() {
+    const std::lock_guard lock(mutex_);
+    ++begun_;
+  }
+  void ended(bool ready) {
+    const std::lock_guard lock(mutex_);
+    ++ended_;
+    ready_ += ready;
+    changed_.notify_all();
+  }
+  std::size_t ready() {
+    const std::lock_guard lock(mutex_);
+    return ready_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::size_t begun_ = 0, ended_ = 0, ready_ = 0;
+};
+
+// Passes the hands on until told to stop.
+class Conductor : public std::enable_shared_from_this<Conductor> {
+ public:
+  Conductor(Hands hands, std::vector<std::shared_ptr<Person>> people)
+      : hands_(std::move(hands)), people_(std::move(people)) {}
+
+  void begin() {
+    const std::lock_guard lock(mutex_);
+    for (const Hands::Gesture& gesture : hands_.begin()) start(gesture);
+  }
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+  }
+
+ private:
+  void start(const Hands::Gesture& gesture) {
+    people_[gesture.session]->drag(gesture.seconds,
+                                   [self = shared_from_this(), session = gesture.session] {
+                                     const std::lock_guard lock(self->mutex_);
+                                     if (!self->stopped_) self->start(self->hands_.after(session));
+                                   });
+  }
+
+  std::mutex mutex_;
+  Hands hands_;
+  std::vector<std::shared_ptr<Person>> people_;
+  bool stopped_ = false;
+};
+
+void append(std::vector<double>& to, const std::vector<double>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+void add(Seen& all, const Seen& one) {
+  append(all.input_to_frame, one.input_to_frame);
+  append(all.answer_seconds, one.answer_seconds);
+  append(all.render_seconds, one.render_seconds);
+  append(all.encode_seconds, one.encode_seconds);
+  all.inputs += one.inputs;
+  all.frames += one.frames;
+  all.bytes += one.bytes;
+  all.moving_frames += one.moving_frames;
+  all.moving_bytes += one.moving_bytes;
+  all.moving_seconds += one.moving_seconds;
+  all.pixels += one.pixels;
+}
+
+}  // namespace
+
+Result<CrowdResult> run_crowd(const CrowdOptions& options, Placement& placement,
+                              const std::function<void(bool)>& measured) {
+  CrowdResult result;
+  boost::asio::io_context io;
+  Threads threads(io, options.threads);
+  Openings openings;
+  std::vector<std::shared_ptr<Person>> people;
+  std::vector<std::string> sessions;
+
+  const auto opening_until = Clock::now() + duration_of(options.opening_seconds);
+  for (std::size_t i = 0; i < options.sessions; ++i) {
+    openings.wait_below(kOpeningAtOnce, opening_until);
+    // Each a person of their own: nobody may have so many sessions.
+    const std::string id = new_id();
+    const auto placed = placement.place({id, new_id(), options.data_set});
+    if (!placed) {
+      ++result.refused;
+      continue;
+    }
+    sessions.push_back(id);
+    people.push_back(std::make_shared<Person>(io, options.viewer, options.preset));
+    openings.begun();
+    people.back()->enter(placed->ticket, [&openings](bool ready) { openings.ended(ready); });
+  }
+  openings.wait_below(1, opening_until);
+  result.opened = openings.ready();
+
+  const auto end_all = [&] {
+    for (const auto& person : people) person->leave();
+    for (const std::string& id : sessions) (void)placement.end(id);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    threads.stop();
+  };
+  if (result.opened == 0) {
+    end_all();
+    return fail(ErrorCode::kUnavailable, "No session shows a picture; the programs' logs say why.");
+  }
+
+  // As many gestures as a long run needs; a person's own follow one another, then from the first.
+  const auto trace = render::bench::make_trace("interactive", people.size(), 120, options.seed);
+  const auto conductor = std::make_shared<Conductor>(Hands(trace, options.moving), people);
+  conductor->begin();
+  std::this_thread::sleep_for(duration_of(options.warm_up_seconds));
+  const TimePoint from = Clock::now();
+  const TimePoint until = from + duration_of(options.seconds);
+  for (const auto& person : people) person->measure(from, until);
+  measured(false);
+  std::this_thread::sleep_until(until);
+  measured(true);
+  conductor->stop();
+  // What was asked in the last moment may still be answered.
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  result.seconds = options.seconds;
+  end_all();
+
+  const TimePoint now = Clock::now();
+  for (const auto& person : people) {
+    person->give_up(now);
+    add(result.seen, person->seen());
+    result.problems += person->problems();
+    if (person->close_code() >= 0) ++result.closed[person->close_code()];
+    if (const auto opening = person->opening_seconds()) result.opening_seconds.push_back(*opening);
+  }
+  return result;
+}
+
+}  // namespace diaphane::api::load

@@ -1,0 +1,152 @@
+// diaphane-load: the words `bench` (programs, viewers, report), `soak` (viewers at programs that
+// run already), `gateway`.
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "api/load/gateway_host.h"
+#include "api/load/load_run.h"
+#include "api/load/soak_run.h"
+#include "api/redis/client.h"
+#include "api/redis/sessions.h"
+#include "common/config.h"
+
+namespace diaphane::api::load {
+namespace {
+
+constexpr int kExitUnavailable = 69;  // sysexits.h
+constexpr char kAbout[] =
+    "diaphane-load bench | soak | gateway: many viewers at the stream, measured";
+
+double decimal(ConfigReader& in, const char* name, const char* help, const char* fallback) {
+  const std::string text = in.text(name, help, fallback);
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (end == text.c_str() || *end != '\0' || !(value > 0)) {
+    in.mistake("--" + std::string(name) + " must be a number above 0");
+  }
+  return value;
+}
+
+std::vector<v1::Codec> codecs(ConfigReader& in) {
+  const std::string codec =
+      in.one_of("codec", "that viewers prefer", {"jpeg", "h264", "mpeg1"}, "jpeg");
+  if (codec == "h264") return {v1::H264, v1::JPEG};
+  if (codec == "mpeg1") return {v1::MPEG1, v1::JPEG};
+  return {v1::JPEG};
+}
+
+int write(const nlohmann::ordered_json& report, const std::string& file) {
+  const std::string text = report.dump(1) + "\n";
+  if (file.empty()) {
+    std::cout << text;
+    return 0;
+  }
+  std::ofstream out(file);
+  if (out << text) return 0;
+  std::fprintf(stderr, "%s cannot be written\n", file.c_str());
+  return kExitUnavailable;
+}
+
+int refuse(const Error& why) {
+  std::fprintf(stderr, "%s\n", why.message.c_str());
+  return why.code == ErrorCode::kInvalid ? kExitConfig : kExitUnavailable;
+}
+
+int bench(ConfigReader& in) {
+  LoadOptions options;
+  CrowdOptions& crowd = options.crowd;
+  crowd.sessions = static_cast<std::size_t>(in.integer("sessions", "open at once", 1, 4096, 200));
+  const std::int64_t moving =
+      in.integer("moving", "drag at any moment; 0: 32 of 200, that share", 0, 4096, 0);
+  crowd.moving = moving > 0 ? static_cast<std::size_t>(moving)
+                            : std::max<std::size_t>(1, (crowd.sessions * 32 + 100) / 200);
+  crowd.seconds = decimal(in, "seconds", "measured", "10");
+  crowd.warm_up_seconds = decimal(in, "warm-up", "seconds of movement before it is measured", "4");
+  crowd.opening_seconds = decimal(in, "opening", "seconds for all first pictures", "120");
+  crowd.preset =
+      in.text("preset", "that is looked at; empty: what the session begins with", "bone");
+  crowd.threads = static_cast<unsigned>(in.integer("viewer-threads", "of all viewers", 1, 64, 2));
+  crowd.seed = static_cast<std::uint64_t>(in.integer("seed", "of the trace", 0, 1 << 30, 1));
+  crowd.viewer.codecs = codecs(in);
+  const std::string size = in.text("size", "of the windows", "1280x720");
+  if (std::sscanf(size.c_str(), "%ux%u", &crowd.viewer.width, &crowd.viewer.height) != 2) {
+    in.mistake("--size WIDTHxHEIGHT");
+  }
+  options.stage.bin_dir = in.directory("bin-dir", "where diaphane-renderd and diaphane-load are");
+  options.stage.volume_dir = in.directory("volume", "a volume of the store");
+  options.stage.engine = in.one_of("engine", "of renderd", {"auto", "cpu", "cuda"}, "auto");
+  options.stage.log_dir =
+      in.text("log-dir", "for the programs' logs; empty: they are not kept", "");
+  options.bound_seconds = 1e-3 * decimal(in, "bound-ms", "that p95 must hold", "100");
+  options.repeats = static_cast<unsigned>(in.integer("repeats", "of the run", 1, 100, 1));
+  options.most_sessions =
+      static_cast<std::size_t>(in.integer("most", "sessions that --find tries", 1, 4096, 1024));
+  options.find = in.flag("find", "also search the most sessions that hold the bound");
+  const std::string file = in.text("json", "file for the report; empty: standard output", "");
+  if (auto done = in.finish(kAbout)) return *done;
+  const auto report = load_run(
+      options, [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
+  if (!report) return refuse(report.error());
+  return write(*report, file);
+}
+
+int soak(ConfigReader& in) {
+  SoakOptions options;
+  const std::string redis = in.text("redis", "host:port");
+  options.viewer.port = in.port("stream-port", "of the gateway");
+  options.viewer.origin = in.text("public-url", "origin that the gateway takes pages for");
+  options.viewer.codecs = codecs(in);
+  options.data_set = in.text("data-set", "id of a volume in the store");
+  options.people = static_cast<std::size_t>(in.integer("people", "at once", 1, 4096, 50));
+  options.seconds = decimal(in, "seconds", "until they all go", "60");
+  options.act_seconds = decimal(in, "act-seconds", "of a look or a drag, about", "4");
+  options.scale = decimal(in, "scale", "of the windows", "1");
+  options.seed =
+      static_cast<std::uint64_t>(in.integer("seed", "of all that is drawn", 0, 1 << 30, 1));
+  const std::string file = in.text("json", "file for the report; empty: standard output", "");
+  if (auto done = in.finish(kAbout)) return *done;
+  auto client = redis::Client::create({.address = redis});
+  if (!client) return refuse(client.error());
+  redis::Sessions placement(**client);
+  return write(soak_run(options, placement), file);
+}
+
+int gateway(ConfigReader& in) {
+  GatewayHost host;
+  host.redis = in.text("redis", "host:port");
+  host.stream_port = in.port("stream-port", "WebSocket gateway");
+  host.admin_port = in.port("admin-port", "/metrics, /readyz on 127.0.0.1");
+  host.public_url = in.text("public-url", "origin of its pages");
+  if (auto done = in.finish(kAbout)) return *done;
+  return serve_gateway(host);
+}
+
+// Two descriptors a session and more: the usual 1024 are few.
+void raise_descriptors() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  (void)::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+}  // namespace
+}  // namespace diaphane::api::load
+
+int main(int argc, char** argv) {
+  using namespace diaphane;
+  ::signal(SIGPIPE, SIG_IGN);
+  api::load::raise_descriptors();
+  ConfigReader in(argc, argv);
+  const std::string word = in.words().empty() ? "" : in.words().front();
+  if (word == "bench") return api::load::bench(in);
+  if (word == "soak") return api::load::soak(in);
+  if (word == "gateway") return api::load::gateway(in);
+  in.mistake("say what: bench, soak or gateway");
+  return in.finish(api::load::kAbout).value_or(kExitUsage);
+}

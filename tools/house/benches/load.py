@@ -1,0 +1,84 @@
+"""Many viewers at the real gateway and a real renderd: from an input to the first frame that shows it, and where the time goes."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import tempfile
+from pathlib import Path
+
+from .. import paths
+from ..bench import Result, result
+from ..bench_volumes import cranium
+from ..says import HouseError, say
+
+ABOUT = "N people at once, M of whom drag: input to frame (p50, p95, p99), where the time goes (--sessions, --moving, --find)"
+PROGRAMS = ("diaphane-load", "diaphane-renderd")
+# What a machine without a GPU shows: two cores trace a window of this size in some milliseconds.
+CPU_SESSIONS, CPU_SIZE = 8, "160x90"
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--sessions", type=int, help=f"open at once (default 200 on CUDA, {CPU_SESSIONS} on the CPU)")
+    parser.add_argument("--moving", type=int, default=0, help="of whom drag at any moment (default: 32 of 200, that share)")
+    parser.add_argument("--seconds", type=float, default=10, help="that are measured, in each run")
+    parser.add_argument("--repeats", type=int, default=3, help="runs")
+    parser.add_argument("--size", help=f"of the windows (default 1280x720 on CUDA, {CPU_SIZE} on the CPU)")
+    parser.add_argument("--engine", choices=("cpu", "cuda"), default="cpu")
+    parser.add_argument("--codec", choices=("jpeg", "h264", "mpeg1"), default="jpeg", help="that viewers prefer")
+    parser.add_argument("--preset", default="bone", help="that is looked at")
+    parser.add_argument("--find", action="store_true", help="also search the most sessions with p95 at most 100 ms")
+    parser.add_argument("--volume", help="directory of a stored volume (default: the cranium)")
+    parser.add_argument("--log-dir", type=Path, help="keep the programs' logs there")
+
+
+def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
+    on_cpu = options.engine == "cpu"
+    volume = options.volume or cranium()
+    if not volume:
+        raise HouseError("the cranium is looked at, and Debian's package invesalius-examples is not installed (or: --volume)")
+    program = paths.build_dir() / "bin" / "diaphane-load"
+    with tempfile.NamedTemporaryFile(suffix=".json") as report:
+        words = ["--bin-dir", program.parent, "--volume", volume, "--engine", options.engine, "--codec", options.codec,
+                 "--sessions", options.sessions or (2 if quick else CPU_SESSIONS if on_cpu else 200), "--moving", options.moving,
+                 "--size", options.size or (CPU_SIZE if on_cpu else "1280x720"), "--preset", options.preset,
+                 "--seconds", 2 if quick else options.seconds, "--warm-up", 1 if quick else 4,
+                 "--repeats", 1 if quick else options.repeats, "--json", report.name, *(["--find"] if options.find else []),
+                 *(["--log-dir", options.log_dir] if options.log_dir else [])]
+        done = subprocess.run([str(program), "bench", *map(str, words)], check=False)
+        if done.returncode != 0:
+            raise HouseError(f"diaphane-load ended with {done.returncode}")
+        written = json.loads(Path(report.name).read_text(encoding="utf-8"))
+    say("")
+    return results_of(written, options.repeats, 100 if not on_cpu else None)
+
+
+def results_of(report: dict, repeats: int, bound: float | None) -> list[Result]:
+    """Of the runs that were asked for; a search comes after them."""
+    runs = report["runs"][:repeats]
+    name = f"{runs[0]['sessions']} sessions, {runs[0]['moving']} moving, {runs[0]['width']} x {runs[0]['height']}"
+
+    def each(*keys: str) -> list[float]:
+        values = []
+        for run in runs:
+            for key in keys:
+                run = run[key]
+            values.append(run)
+        return values
+
+    results = [result(f"{name}: input to frame, {p}", each("input_to_frame_ms", p), "ms", bound if p == "p95" else None)
+               for p in ("p50", "p95", "p99")]
+    results += [result(f"{name}: {words}", each("mean_ms", key), "ms") for key, words in (
+        ("from_oldest_input", "a frame, from the oldest input that it answers, mean"), ("render", "of it rendering"),
+        ("encode", "of it encoding"), ("wait_in_renderd", "of it waiting in renderd"), ("send", "of it to renderd and back"))]
+    results += [result(f"{name}: frames of a session that moves", each("moving_frames_per_second"), "1/s"),
+                result(f"{name}: bytes of its frames", each("moving_frame_bytes"), "bytes"),
+                result(f"{name}: sent to all", each("megabytes_per_second"), "MB/s"),
+                result(f"{name}: device rendering", each("device", "rendering"), "of the time"),
+                result(f"{name}: device and pictures", each("device", "pictures"), "of the time")]
+    results += [result(f"{name}: processor, {program}", each("cores", program), "cores")
+                for program in ("renderd", "gateway", "redis", "viewers")]
+    if "largest_held" in report:
+        results.append(result("most sessions with p95 at most 100 ms", [report["largest_held"]], "sessions"))
+    return results
