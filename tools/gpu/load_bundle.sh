@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Packs `./diaphane bench load` for a machine that has a GPU and none of this: stripped programs, redis-server, the
+# libraries that a bare Ubuntu or Debian lacks, and a volume (docs/gpu.md).
+#
+#   tools/gpu/load_bundle.sh BUILD VOLUME FOLDER     here; BUILD has renderd with CUDA, VOLUME is one of the store
+#   FOLDER/run --sessions 200 --find                 there; options are those of `diaphane-load bench`
+set -euo pipefail
+build=${1:?usage: tools/gpu/load_bundle.sh BUILD VOLUME FOLDER}
+volume=${2:?usage: tools/gpu/load_bundle.sh BUILD VOLUME FOLDER}
+folder=${3:?usage: tools/gpu/load_bundle.sh BUILD VOLUME FOLDER}
+
+mkdir -p "$folder/bin" "$folder/lib" "$folder/volume"
+rm -f "$folder"/lib/*
+for program in "$build/bin/diaphane-renderd" "$build/bin/diaphane-load" "$(command -v redis-server)"; do
+  strip -o "$folder/bin/$(basename "$program")" "$(readlink -f "$program")"
+done
+cp "$volume/volume.json" "$volume/voxels.i16" "$folder/volume/"
+
+# All that the programs load, but for the C library and its own, which must be the kernel's and loader's over there. A C++
+# library there that is older than the compiler's here would not do, so that one comes along.
+for program in "$folder"/bin/*; do
+  ldd "$program" | awk '$2 == "=>" && $3 ~ /^\// { print $3 }'
+done | sort -u | grep -vE '/(libc|libm|libdl|librt|libpthread|libresolv|ld-linux[^/]*)\.so' | while read -r library; do
+  strip -o "$folder/lib/$(basename "$library")" "$(readlink -f "$library")" 2>/dev/null \
+    || cp -L "$library" "$folder/lib/$(basename "$library")"
+done
+
+cat > "$folder/run" <<'RUN'
+#!/usr/bin/env bash
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+export LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
+export DIAPHANE_NVRTC="${DIAPHANE_NVRTC:-/usr/local/cuda/lib64}"
+export DIAPHANE_KERNEL_CACHE="${DIAPHANE_KERNEL_CACHE:-${TMPDIR:-/tmp}/diaphane-kernels}"
+chmod +x "$here"/bin/*
+nvidia-smi --query-gpu=name,driver_version,memory.used --format=csv,noheader 2>/dev/null || true
+echo "$(nproc) cores, $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1)"
+exec "$here/bin/diaphane-load" bench --bin-dir "$here/bin" --volume "$here/volume" --engine "${ENGINE:-cuda}" "$@"
+RUN
+chmod +x "$folder/run"
+du -sh "$folder" | cut -f 1
