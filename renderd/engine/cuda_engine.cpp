@@ -59,7 +59,8 @@ Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineOptions& options) {
       cudaFuncGetAttributes(&attributes, cuda::kTraceKernel.ahead_of_time(kAllFeatures).entry));
   return std::make_unique<CudaEngine>(
       EngineInfo{"cuda", properties.name, properties.totalGlobalMem,
-                 double(properties.multiProcessorCount) * properties.maxThreadsPerMultiProcessor},
+                 double(properties.multiProcessorCount) * properties.maxThreadsPerMultiProcessor,
+                 true},
       options, 10 * properties.major + properties.minor);
 }
 

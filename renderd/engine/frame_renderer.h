@@ -37,6 +37,8 @@ struct EngineInfo {
   /// Samples (of pixels) under way at once that keep it busy; 0: unknown. A quantum of fewer leaves
   /// room for another session's.
   double parallel = 0;
+  /// Takes work while it has some, and goes on to it by itself when that ends.
+  bool queues = false;
 };
 
 /// A volume on a device, shared by everybody who looks at it. Freed with the last holder.

@@ -27,15 +27,28 @@ double pixels(Canvas canvas) { return double(canvas.width) * double(canvas.heigh
 
 Canvas plan_canvas(const CanvasQuestion& question) {
   if (!question.moving) return question.viewport;
-  const bool known = question.seconds_per_pixel > 0;
-  const double budget = known ? kMovingSampleSeconds / question.seconds_per_pixel : kProbePixels;
-  for (const double scale : kScales) {
-    const Canvas candidate = scaled(question.viewport, scale);
-    const bool is_current = candidate == question.current;
-    // A quarter of slack for the size that is on the screen.
-    if (pixels(candidate) <= (is_current ? 1.25 * budget : budget)) return candidate;
-  }
-  return scaled(question.viewport, kScales.back());
+  const double cost = question.seconds_per_pixel;
+  const double alone = cost > 0 ? kMovingSampleSeconds / cost : kProbePixels;
+  // The largest of at most `budget` pixels, with a quarter of slack for what is on the screen.
+  const auto largest = [&](double budget, double smallest) {
+    for (const double scale : kScales) {
+      const Canvas candidate = scaled(question.viewport, scale);
+      const bool is_current = candidate == question.current;
+      if (scale <= smallest || pixels(candidate) <= (is_current ? 1.25 * budget : budget)) {
+        return scale;
+      }
+    }
+    return kScales.back();
+  };
+  const double scale = largest(alone, kScales.back());
+  if (question.sharing <= 1 || !(cost > 0)) return scaled(question.viewport, scale);
+  const auto seconds = [&](double at) {
+    return question.seconds_first + cost * pixels(scaled(question.viewport, at));
+  };
+  const double share =
+      std::max(kSharedSeconds, seconds(scale)) / static_cast<double>(question.sharing);
+  const double shared = largest((share - question.seconds_first) / cost, kSmallestShare * scale);
+  return scaled(question.viewport, std::min(scale, shared));
 }
 
 }  // namespace diaphane::render

@@ -26,6 +26,27 @@ TEST(MovingCanvas, AFastDeviceNeverLosesAPixel) {
   EXPECT_EQ(plan_canvas(question({4096, 4096}, 0.001)), (Canvas{4096, 4096}));
 }
 
+TEST(MovingCanvas, WhereManyMoveOnePictureOfEachTakesNoLongerThanOneAlone) {
+  for (const double full : {0.0005, 0.003, 0.01, 0.03, 0.2}) {
+    for (const std::size_t sharing : {2, 4, 8, 16, 64}) {
+      CanvasQuestion q = question({1280, 720}, full);
+      q.seconds_first = 0.1 * full;
+      const Canvas alone = plan_canvas(q);
+      q.sharing = sharing;
+      const Canvas shared = plan_canvas(q);
+      const auto seconds = [&](Canvas c) {
+        return q.seconds_first + q.seconds_per_pixel * pixels(c);
+      };
+      EXPECT_LE(pixels(shared), pixels(alone));
+      EXPECT_GE(shared.width, 0.49 * alone.width) << "no smaller than that";
+      const double all = double(sharing) * seconds(shared);
+      const double allowed = std::max(kSharedSeconds, seconds(alone));
+      if (shared.width > 0.51 * alone.width) EXPECT_LE(all, 1.01 * allowed) << full << sharing;
+      if (double(sharing) * seconds(alone) <= kSharedSeconds) EXPECT_EQ(shared, alone);
+    }
+  }
+}
+
 TEST(MovingCanvas, ASlowDeviceStaysNearItsTimeWithTheShapeKept) {
   for (const Canvas viewport :
        {Canvas{512, 512}, Canvas{1280, 720}, Canvas{393, 852}, Canvas{1919, 1079}}) {

@@ -1,6 +1,14 @@
 #include "renderd/schedule/emission.h"
 
 namespace diaphane::render {
+namespace {
+
+/// Longer than the inputs of a drag are apart.
+constexpr double kSilentSeconds = 0.02;
+constexpr double kGapSeconds = 0.03;
+constexpr double kSilentGapSeconds = 0.01;
+
+}  // namespace
 
 bool should_emit(const EmissionQuestion& question) {
   if (question.samples == 0) return false;
@@ -10,8 +18,11 @@ bool should_emit(const EmissionQuestion& question) {
   if (question.converged) return true;
   if (!question.room) return false;
   // A fast device doubles within milliseconds: pictures that close together only fill the
-  // connection.
-  if (question.seconds_since_frame < 0.03) return false;
+  // connection. While inputs come they are soon replaced; after the last one somebody waits, most
+  // of all for the first whose error is known.
+  const bool silent = question.seconds_since_input >= kSilentSeconds;
+  if (silent && question.samples_shown < 2) return true;
+  if (question.seconds_since_frame < (silent ? kSilentGapSeconds : kGapSeconds)) return false;
   if (question.samples >= 2 * question.samples_shown) return true;
   if (question.moving) return question.seconds_since_frame >= 0.12;
   return question.seconds_since_frame >= 1.0 && question.samples * 4 >= question.samples_shown * 5;

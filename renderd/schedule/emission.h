@@ -9,6 +9,7 @@ struct EmissionQuestion {
   std::uint64_t samples = 0;        ///< per pixel, accumulated now
   std::uint64_t samples_shown = 0;  ///< in the last picture of this epoch; 0: none yet
   double seconds_since_frame = 0;   ///< since the last picture of any epoch
+  double seconds_since_input = 0;
   bool moving = false;
   bool shown_moving = false;  ///< the last picture was coded for speed
   bool converged = false;

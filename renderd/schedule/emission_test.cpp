@@ -80,5 +80,20 @@ TEST(Emission, LongDoublingsAreFilledWithAPictureASecond) {
   EXPECT_FALSE(should_emit(shown(1100, 1024, 1.1)));
 }
 
+/// After the last input somebody waits for the first picture whose error is known, and then sees
+/// refinements sooner than one who drags.
+TEST(Emission, InSilenceTheSecondPictureDoesNotWait) {
+  EmissionQuestion q = shown(2, 1, 0.001);
+  EXPECT_FALSE(should_emit(q)) << "inputs come: the next picture is near";
+  q.seconds_since_input = 0.03;
+  EXPECT_TRUE(should_emit(q));
+  q = shown(8, 4, 0.015);
+  EXPECT_FALSE(should_emit(q));
+  q.seconds_since_input = 0.03;
+  EXPECT_TRUE(should_emit(q));
+  q.seconds_since_frame = 0.005;
+  EXPECT_FALSE(should_emit(q));
+}
+
 }  // namespace
 }  // namespace diaphane::render

@@ -25,7 +25,7 @@ std::vector<Quantum> ErrorProportional::next(std::span<const SessionView> sessio
   double first = std::numeric_limits<double>::infinity();
   const std::uint64_t draw = mixed(seed_ ^ mixed(draws_));
   for (const SessionView& session : sessions) {
-    if (!gains(session)) continue;
+    if (!waits(session)) continue;
     const double n = static_cast<double>(std::max<std::uint64_t>(session.samples, 1));
     const double time = -std::log(uniform(mixed(draw ^ mixed(session.session)))) * std::sqrt(n);
     if (winner && (time > first || (time == first && session.session > winner->session))) continue;

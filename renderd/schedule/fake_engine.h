@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <thread>
 
 #include "renderd/engine/frame_renderer.h"
@@ -22,7 +23,9 @@ struct FakeDevice {
   std::atomic<int> volumes{0};
   std::atomic<double> last_eye_x{0};
   std::atomic<int> rendering{0};
-  std::atomic<int> most_at_once{0};  ///< renderers
+  std::atomic<int> most_at_once{0};        ///< renderers
+  std::atomic<bool> one_at_a_time{false};  ///< a second renderer waits for the first
+  std::mutex turn;
 };
 
 class FakeRenderer final : public FrameRenderer {
@@ -49,6 +52,8 @@ class FakeRenderer final : public FrameRenderer {
     for (int most = device_->most_at_once;
          most < at_once && !device_->most_at_once.compare_exchange_weak(most, at_once);) {
     }
+    std::unique_lock turn(device_->turn, std::defer_lock);
+    if (device_->one_at_a_time) turn.lock();
     const double cost = device_->seconds_per_megapixel * canvas_.width * canvas_.height / 1e6;
     Batch batch;
     for (; batch.samples < samples; ++batch.samples) {

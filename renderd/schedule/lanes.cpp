@@ -4,6 +4,8 @@
 
 namespace diaphane::render {
 
+Lanes::Lanes(std::size_t most) : most_(std::max<std::size_t>(most, 1)) {}
+
 Lanes::~Lanes() {
   {
     const std::lock_guard lock(mutex_);
@@ -13,45 +15,29 @@ Lanes::~Lanes() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-void Lanes::run(std::size_t count, const std::function<void(std::size_t)>& work) {
-  if (count == 1 || most_ <= 1) {
-    for (std::size_t i = 0; i < count; ++i) work(i);
-    return;
-  }
-  while (threads_.size() + 1 < std::min(most_, count)) threads_.emplace_back([this] { lane(); });
+void Lanes::start(std::function<void()> work) {
   {
     const std::lock_guard lock(mutex_);
-    work_ = &work;
-    next_ = done_ = 0;
-    count_ = count;
+    waiting_.push_back(std::move(work));
+    if (free_ < waiting_.size() && threads_.size() < most_) {
+      threads_.emplace_back([this] { lane(); });
+    }
   }
-  begin_.notify_all();
-  take();
-  std::unique_lock lock(mutex_);
-  end_.wait(lock, [this] { return done_ == count_; });
-  count_ = 0;
-}
-
-void Lanes::take() {
-  std::unique_lock lock(mutex_);
-  while (next_ < count_) {
-    const std::size_t piece = next_++;
-    const auto& work = *work_;
-    lock.unlock();
-    work(piece);
-    lock.lock();
-    if (++done_ == count_) end_.notify_all();
-  }
+  begin_.notify_one();
 }
 
 void Lanes::lane() {
+  std::unique_lock lock(mutex_);
   for (;;) {
-    {
-      std::unique_lock lock(mutex_);
-      begin_.wait(lock, [this] { return closing_ || next_ < count_; });
-      if (closing_) return;
-    }
-    take();
+    ++free_;
+    begin_.wait(lock, [this] { return closing_ || !waiting_.empty(); });
+    --free_;
+    if (waiting_.empty()) return;
+    const auto work = std::move(waiting_.front());
+    waiting_.pop_front();
+    lock.unlock();
+    work();
+    lock.lock();
   }
 }
 

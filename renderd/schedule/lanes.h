@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <cstddef>
+#include <deque>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -10,28 +11,27 @@
 namespace diaphane::render {
 
 /// Threads that drive several renderers of one device at once: each renderer has a stream of its
-/// own, and one thread waits for one stream. They are started with the first round that needs them.
+/// own, and one thread waits for one stream. They are started with the first work that needs them.
 class Lanes {
  public:
-  /// At most `most` at once, the caller's thread among them.
-  explicit Lanes(std::size_t most) : most_(most) {}
+  /// At most `most` at once, at least one; more than that wait for each other in their order.
+  explicit Lanes(std::size_t most);
+  /// Ends what was given.
   ~Lanes();
   Lanes(const Lanes&) = delete;
   Lanes& operator=(const Lanes&) = delete;
 
-  /// Calls `work(i)` once for each i below `count` and returns when all are done. From one thread
-  /// at a time; `work` must not throw.
-  void run(std::size_t count, const std::function<void(std::size_t)>& work);
+  /// Returns at once. `work` must not throw.
+  void start(std::function<void()> work);
 
  private:
-  void take();  // under no lock
   void lane();
 
   const std::size_t most_;
   std::mutex mutex_;
-  std::condition_variable begin_, end_;
-  const std::function<void(std::size_t)>* work_ = nullptr;
-  std::size_t next_ = 0, count_ = 0, done_ = 0;
+  std::condition_variable begin_;
+  std::deque<std::function<void()>> waiting_;
+  std::size_t free_ = 0;  // threads that wait for work
   bool closing_ = false;
   std::vector<std::thread> threads_;
 };

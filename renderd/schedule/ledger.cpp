@@ -1,6 +1,7 @@
 #include "renderd/schedule/ledger.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "renderd/schedule/canvas.h"
@@ -25,7 +26,7 @@ bool may_interrupt(bool began_moving, bool shown) { return shown || !began_movin
 
 void Ledger::refresh(Wanted wanted, const DeviceCosts& device, const LedgerRules& rules, Time now) {
   wanted_ = std::move(wanted);
-  moving_ = seconds_between(wanted_.last_input, now) < kRestSeconds;
+  moving_ = !wanted_.rest && seconds_between(wanted_.last_input, now) < kRestSeconds;
   if (applied_version_ != wanted_.version) refused_size_.reset();
   if (wanted_.scene && wanted_.version != seen_version_) {
     // It came since the last look; a session's first scene came with the session.
@@ -44,7 +45,13 @@ void Ledger::refresh(Wanted wanted, const DeviceCosts& device, const LedgerRules
     planned_ = canvas_;
     return;
   }
-  planned_ = plan_canvas({wanted_.viewport, canvas_, seconds_per_pixel(device), moving_});
+  planned_ =
+      plan_canvas({.viewport = wanted_.viewport,
+                   .current = canvas_,
+                   .seconds_per_pixel = seconds_per_pixel(device),
+                   .seconds_first = first_seconds_ > 0 ? first_seconds_ : device.seconds_first,
+                   .moving = moving_,
+                   .sharing = device.moving_sessions});
   if (refused_size_ == planned_) planned_ = canvas_;
 }
 
@@ -60,11 +67,18 @@ bool Ledger::converged(const LedgerRules& rules) const {
 
 bool Ledger::interruptible() const { return may_interrupt(began_moving_, samples_shown_ > 0); }
 
+// The end of a gesture says at once what silence says later.
+double Ledger::silence(Time now) const {
+  const double seconds = seconds_between(wanted_.last_input, now);
+  return wanted_.rest ? std::max(seconds, kRestSeconds) : seconds;
+}
+
 SessionView Ledger::view(std::uint64_t handle, const DeviceCosts& device, const LedgerRules& rules,
                          Time now) const {
   SessionView view;
   view.session = handle;
   view.target_error = rules.target_error;
+  view.noise = noise_;
   if (stale()) {
     view.error = kUnknownError;
   } else {
@@ -77,7 +91,7 @@ SessionView Ledger::view(std::uint64_t handle, const DeviceCosts& device, const 
   if (rules.device_parallel > 0) {
     view.fill = std::min(1.0, pixels(planned_) / rules.device_parallel);
   }
-  view.seconds_since_input = seconds_between(wanted_.last_input, now);
+  view.seconds_since_input = silence(now);
   // The smallest that says "one waits", where it came at this very moment.
   if (unanswered_since_) {
     view.seconds_unanswered = std::max(seconds_between(*unanswered_since_, now), 1e-9);
@@ -98,6 +112,7 @@ std::optional<EmissionQuestion> Ledger::emission(const LedgerRules& rules, Time 
   question.samples = progress_.samples;
   question.samples_shown = samples_shown_;
   question.seconds_since_frame = seconds_between(shown_at_, now);
+  question.seconds_since_input = silence(now);
   question.moving = moving_;
   question.shown_moving = shown_moving_;
   question.converged = converged(rules);
@@ -129,6 +144,9 @@ void Ledger::refused() {
 void Ledger::rendered(const Batch& batch, const Progress& progress, DeviceCosts& device, Time now) {
   progress_ = progress;
   served_at_ = now;
+  if (std::isfinite(progress.error) && progress.samples > 0) {
+    noise_ = progress.error * std::sqrt(static_cast<double>(progress.samples));
+  }
   if (batch.samples == 0) return;
   // The first sample of an epoch pays for set-up; a mean over a few forgets it soon.
   seconds_per_pixel_ = mean(seconds_per_pixel_, batch.seconds / (batch.samples * pixels(canvas_)));

@@ -19,8 +19,9 @@ struct LedgerRules {
 
 /// What was measured on a device, whoever it was last: what a session starts from.
 struct DeviceCosts {
-  double seconds_per_pixel = 0;  ///< of one sample; 0: unknown
-  double seconds_first = 0;      ///< of a new epoch, beside its samples; 0: unknown
+  double seconds_per_pixel = 0;     ///< of one sample; 0: unknown
+  double seconds_first = 0;         ///< of a new epoch, beside its samples; 0: unknown
+  std::size_t moving_sessions = 0;  ///< at the last look
 };
 
 /// A device's account of one session: what is wanted, what its film holds, what was shown of it and
@@ -69,6 +70,7 @@ class Ledger {
 
  private:
   double seconds_per_pixel(const DeviceCosts& device) const;
+  double silence(Time now) const;
 
   Wanted wanted_;
   bool moving_ = false;
@@ -90,6 +92,7 @@ class Ledger {
 
   // What it costs.
   double seconds_per_pixel_ = 0;
+  double noise_ = 0;
   double scene_seconds_ = 0;
   double first_seconds_ = 0;
 

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+
+#include "renderd/schedule/canvas.h"
 
 namespace diaphane::render {
 namespace {
@@ -128,6 +131,32 @@ TEST_F(LedgerTest, EpochsRiseWithEachScene) {
   look();
   render(1, 0.5);
   EXPECT_EQ(ledger.epoch(), 9U);
+}
+
+/// The pointer was lifted: the whole picture is wanted now, and nobody waits for silence to say so.
+TEST_F(LedgerTest, TheEndOfAGestureIsRestAtOnce) {
+  input();
+  look();
+  EXPECT_TRUE(ledger.moving());
+  EXPECT_LT(view().seconds_since_input, kRestSeconds);
+  wanted.rest = true;
+  input();
+  look();
+  EXPECT_FALSE(ledger.moving());
+  EXPECT_GE(view().seconds_since_input, kRestSeconds);
+  render(2, 0.1);
+  EXPECT_GE(ledger.emission(rules, now)->seconds_since_input, kRestSeconds);
+  EXPECT_FALSE(ledger.emission(rules, now)->moving);
+}
+
+TEST_F(LedgerTest, TheNoiseOfASampleIsThatOfTheLastKnownError) {
+  EXPECT_EQ(view().noise, 0);
+  render(4, 0.1);
+  EXPECT_NEAR(view().noise, 0.2, 1e-12);
+  input();
+  look();
+  render(1, std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(view().noise, 0.2, 1e-12) << "one sample says nothing of it";
 }
 
 }  // namespace

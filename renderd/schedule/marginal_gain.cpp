@@ -53,10 +53,15 @@ double MarginalGain::gain(const SessionView& session) const {
   const double n = static_cast<double>(session.samples);
   const double m = quantum_samples(session, options_.limits);
   const double cost = cost_of(session);
-  // Nothing is shown before the first sample, and before the second no error is known.
+  // Nothing is shown before the first sample, and before the second no error is known but that of
+  // the picture before.
+  const double noise = session.noise > 0 ? std::min(session.noise, 1.0) : 1.0;
   double error = 1;
-  if (session.samples > 0) error = std::isfinite(session.error) ? session.error : 1 / std::sqrt(n);
-  const double after = session.samples > 0 ? error * std::sqrt(n / (n + m)) : 1 / std::sqrt(1 + m);
+  if (session.samples > 0) {
+    error = std::isfinite(session.error) ? session.error : noise / std::sqrt(n);
+  }
+  const double after =
+      session.samples > 0 ? error * std::sqrt(n / (n + m)) : noise / std::sqrt(1 + m);
   double per_second =
       (error - after) / (m * cost + (session.samples > 0 ? 0 : session.seconds_first));
   if (session.samples > 0 && error > options_.usable_error) {
@@ -95,34 +100,26 @@ std::vector<Quantum> MarginalGain::next(std::span<const SessionView> sessions) {
     }
     return {Rank::kGaining, -gain(session), &session};
   };
-  // The first pictures share what one alone would take.
-  QuantumLimits limits = options_.limits;
-  limits.first_seconds /= static_cast<double>(std::max<std::size_t>(load.moving, 1));
 
-  std::vector<Quantum> round;
-  double filled = 0;
-  Rank rank = Rank::kDue;
-  while (filled < 1 && round.size() < options_.most_together) {
-    Candidate best;
-    for (const SessionView& session : sessions) {
-      if (!gains(session)) continue;
-      const auto is_in = [&](const Quantum& q) { return q.session == session.session; };
-      if (std::any_of(round.begin(), round.end(), is_in)) continue;
-      const Candidate other = candidate(session);
-      if (!best.session || other.before(best)) best = other;
-    }
-    // A first frame does not wait for the end of a long quantum.
-    if (!best.session || (!round.empty() && best.rank != rank)) break;
-    rank = best.rank;
-    std::uint32_t samples = quantum_samples(*best.session, limits);
-    if (best.session->seconds_waiting >= patience) {
-      samples = std::min(
-          samples, samples_within(limits.least_seconds, best.session->seconds_per_sample, samples));
-    }
-    round.push_back({best.session->session, samples});
-    filled += std::min(1.0, best.session->fill * round.back().samples);
+  Candidate best;
+  for (const SessionView& session : sessions) {
+    if (!waits(session)) continue;
+    const Candidate other = candidate(session);
+    if (!best.session || other.before(best)) best = other;
   }
-  return round;
+  if (!best.session) return {};
+  // The first pictures of drags share what one alone would take. One that will stay is worth its
+  // second sample, which tells its error.
+  QuantumLimits limits = options_.limits;
+  if (best.session->seconds_since_input < options_.moving_seconds) {
+    limits.first_seconds /= static_cast<double>(std::max<std::size_t>(load.moving, 1));
+  }
+  std::uint32_t samples = quantum_samples(*best.session, limits);
+  if (best.session->seconds_waiting >= patience) {
+    samples = std::min(
+        samples, samples_within(limits.least_seconds, best.session->seconds_per_sample, samples));
+  }
+  return {{best.session->session, samples}};
 }
 
 }  // namespace diaphane::render

@@ -19,8 +19,8 @@ namespace diaphane::render {
 ///    `most_drag_share` of the device, that deadline cannot be kept for all, and their frames
 ///    become fewer instead.
 ///
-/// Quanta of the same of these three are added until the device is full. A session whose viewer
-/// takes no frame has no deadline. The figures were chosen in the simulator (`./diaphane bench
+/// One quantum at a time; the runner asks until the device is full. A session whose viewer takes no
+/// frame has no deadline. The figures were chosen in the simulator (`./diaphane bench
 /// schedule`), those for drags by the time to a good picture of everybody at 64 sessions.
 class MarginalGain final : public Policy {
  public:
@@ -35,8 +35,8 @@ class MarginalGain final : public Policy {
     /// `drag_share` of the device, and further apart still so that they take at most
     /// `most_drag_share`.
     double slowest_frame_seconds = 0.028;
-    double drag_share = 0.35;
-    double most_drag_share = 0.7;
+    double drag_share = 0.7;
+    double most_drag_share = 0.8;
     /// Input within this long: the session moves.
     double moving_seconds = 0.15;
     /// A picture below this error can be read: reaching it counts as `usable_worth` of error more,
@@ -50,8 +50,6 @@ class MarginalGain final : public Policy {
     double stay_growth = 20;
     double shortest_stay = 0.005;
     double longest_stay = 0.3;
-    /// Quanta that go to the device together at most.
-    std::size_t most_together = 8;
   };
 
   MarginalGain() = default;

@@ -64,8 +64,8 @@ TEST(MarginalGain, WhoWaitedTooLongComesBeforeNewInput) {
 
 TEST(MarginalGain, ADragLeavesTheDeviceToOthersBetweenItsFrames) {
   SessionView dragging = asking(1, 0.002);
-  dragging.seconds_per_sample = 0.004;
-  dragging.seconds_since_begun = 0.01;  // a third of the device allows one each 11.4 ms
+  dragging.seconds_per_sample = 0.008;
+  dragging.seconds_since_begun = 0.01;  // seven tenths of the device allow one each 11.4 ms
   EXPECT_EQ(chosen({dragging, resting(2, 400)}), 2U);
   EXPECT_EQ(chosen({dragging}), 1U) << "nobody else gains";
   dragging.seconds_since_begun = 0.012;
@@ -77,10 +77,10 @@ TEST(MarginalGain, MoreDragsThanTheDeviceHasTimeForGetFewerFramesAndOthersTheRes
   for (std::uint64_t handle = 2; handle <= 11; ++handle) {
     sessions.push_back(asking(handle, 0.05));
     sessions.back().seconds_per_sample = 0.01;  // 100 ms for a frame of each
-    sessions.back().seconds_since_begun = 0.13;
+    sessions.back().seconds_since_begun = 0.12;
   }
   EXPECT_EQ(chosen(sessions), 1U);
-  sessions[5].seconds_since_begun = 0.15;
+  sessions[5].seconds_since_begun = 0.13;  // eight tenths of the device: one each 125 ms
   EXPECT_EQ(chosen(sessions), sessions[5].session);
 }
 
@@ -88,13 +88,18 @@ TEST(MarginalGain, PatienceGrowsWhereQuantaForItsSakeWouldTakeTheDevice) {
   std::vector<SessionView> sessions;
   for (std::uint64_t handle = 1; handle <= 200; ++handle) {
     sessions.push_back(resting(handle, handle));
-    sessions.back().seconds_waiting = 2.5;
+    sessions.back().seconds_waiting = 1.9;
+  }
+  sessions.resize(400, sessions.back());
+  for (std::uint64_t handle = 201; handle <= 400; ++handle) {
+    sessions[handle - 1].session = handle;
+    sessions[handle - 1].seconds_waiting = 2.5;
   }
   sessions.back().seconds_waiting = 3.9;
-  EXPECT_NE(chosen(sessions), 200U);
+  EXPECT_NE(chosen(sessions), 400U);
   sessions.back().seconds_waiting = 4.1;
-  EXPECT_EQ(chosen(sessions), 200U);
-  EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 4U) << "2 ms, no more";
+  EXPECT_EQ(chosen(sessions), 400U);
+  EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 2U) << "1 ms, no more";
 }
 
 TEST(MarginalGain, AViewerThatTakesNoFrameHasNoDeadline) {
@@ -103,23 +108,40 @@ TEST(MarginalGain, AViewerThatTakesNoFrameHasNoDeadline) {
   EXPECT_EQ(chosen({slow, asking(2, 0.001)}), 2U);
 }
 
-TEST(MarginalGain, QuantaGoTogetherUntilTheDeviceIsFull) {
-  std::vector<SessionView> sessions;
-  for (std::uint64_t handle = 1; handle <= 5; ++handle) {
-    sessions.push_back(asking(handle, 0.001));
-    sessions.back().fill = 0.4;
-    sessions.back().seconds_per_sample = 0.01;  // so that a quantum is one sample
-  }
-  EXPECT_EQ(MarginalGain().next(sessions).size(), 3U);
-  for (SessionView& session : sessions) session.fill = 1;
-  EXPECT_EQ(MarginalGain().next(sessions).size(), 1U);
+TEST(MarginalGain, WhatIsUnderWayIsNotChosenAgainButCountsForTheLoad) {
+  std::vector<SessionView> sessions{asking(1, 0.02), asking(2, 0.001)};
+  sessions[0].under_way = true;
+  EXPECT_EQ(chosen(sessions), 2U);
+  EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 2U) << "half of what one alone has";
+  sessions[1].under_way = true;
+  EXPECT_TRUE(MarginalGain().next(sessions).empty());
 }
 
-TEST(MarginalGain, FirstPicturesOfManyAreShort) {
+TEST(MarginalGain, FirstPicturesOfManyDragsAreShort) {
   std::vector<SessionView> sessions{asking(1, 0.001)};
-  EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 10U);
-  for (std::uint64_t handle = 2; handle <= 5; ++handle) sessions.push_back(asking(handle, 0.001));
-  EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 2U);
+  EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 4U);
+  for (std::uint64_t handle = 2; handle <= 4; ++handle) sessions.push_back(asking(handle, 0.001));
+  EXPECT_EQ(MarginalGain().next(sessions).at(0).samples, 1U);
+}
+
+TEST(MarginalGain, APictureThatWillStayHasItsWholeFirstQuantumWhoeverDrags) {
+  SessionView lifted = asking(1, 0.01);
+  lifted.seconds_since_input = 1;
+  EXPECT_EQ(
+      MarginalGain().next(std::vector{lifted, asking(2, 0.001), asking(3, 0.001)}).at(0).samples,
+      4U);
+}
+
+TEST(MarginalGain, AnErrorThatIsNotKnownYetIsThatOfThePictureBefore) {
+  SessionView clean = asking(1, 0), noisy = asking(2, 0);
+  for (SessionView* each : {&clean, &noisy}) {
+    each->seconds_unanswered = 0;
+    each->seconds_since_input = 1;
+    each->samples = 1;
+  }
+  clean.noise = 0.05;
+  noisy.noise = 0.4;
+  EXPECT_GT(MarginalGain().gain(noisy), MarginalGain().gain(clean));
 }
 
 }  // namespace

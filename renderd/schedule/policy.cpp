@@ -14,6 +14,8 @@ bool gains(const SessionView& session) {
   return session.visible && !(session.error <= session.target_error);
 }
 
+bool waits(const SessionView& session) { return gains(session) && !session.under_way; }
+
 std::uint32_t samples_within(double seconds, double seconds_per_sample, std::uint64_t most) {
   if (!(seconds_per_sample > 0)) return 1;
   const double fitting = std::min(seconds / seconds_per_sample, static_cast<double>(most));

@@ -13,20 +13,22 @@ namespace diaphane::render {
 /// What is known of a session when the next quanta are decided. Plain data; times are durations
 /// that the runner (or the simulator) measured, so that a policy needs no clock.
 struct SessionView {
-  std::uint64_t session = 0;      ///< the runner's handle
-  std::uint64_t samples = 0;      ///< per pixel, of this epoch; 0: input waits that no sample shows
-  double error = 0;               ///< estimated relative RMSE; infinity while unknown
-  double target_error = 0;        ///< converged at or below
+  std::uint64_t session = 0;  ///< the runner's handle
+  std::uint64_t samples = 0;  ///< per pixel, of this epoch; 0: input waits that no sample shows
+  double error = 0;           ///< estimated relative RMSE; infinity while unknown
+  double target_error = 0;    ///< converged at or below
+  double noise = 0;           ///< error of one sample, by this session's last picture; 0: unknown
   double seconds_per_sample = 0;  ///< measured cost of one sample per pixel; 0: unknown
   double seconds_first = 0;  ///< measured cost of a new epoch beside its samples (scene, picture)
   double fill = 1;           ///< share of the device that one sample per pixel keeps busy, 0 to 1
-  double seconds_since_input = 0;
+  double seconds_since_input = 0;  ///< long, when the last one ended its gesture
   double seconds_unanswered = 0;   ///< since the oldest input that no frame shows; 0: none waits
   double seconds_since_frame = 0;  ///< since the last frame was handed to the encoder
   double seconds_since_begun = 0;  ///< since the film was last cleared for new input
   double seconds_waiting = 0;      ///< since its last quantum, or since it began to gain
   bool visible = true;             ///< a viewer is attached and looks
   bool wants_frame = true;         ///< its encoder slot is free and the client has room
+  bool under_way = false;          ///< a quantum of it is on the device; the view is from before it
 };
 
 struct Quantum {
@@ -40,23 +42,27 @@ struct Quantum {
 class Policy {
  public:
   virtual ~Policy() = default;
-  /// The quanta that go to the device together: of each session at most one, none of one that does
-  /// not gain, and at least one while some session gains.
+  /// The quanta that go to the device now, beside those under way: of each session at most one,
+  /// none of one that `waits` not, and at least one while some session does.
   virtual std::vector<Quantum> next(std::span<const SessionView> sessions) = 0;
 };
 
 /// True while another sample changes what somebody sees: visible and not yet at the target error.
 bool gains(const SessionView& session);
 
-/// How long a quantum is. It is never cut short for another session's input, so that this is what
-/// an input waits at most, or one sample where that takes longer.
+/// Gains, and nothing of it is under way.
+bool waits(const SessionView& session);
+
+/// How long a quantum is, had it the device for itself. It is never cut short for another session's
+/// input: an input waits at most for it and for the one behind it, or a sample where that is
+/// longer.
 struct QuantumLimits {
-  double quantum_seconds = 0.005;
+  double quantum_seconds = 0.002;
   /// Of the first of an epoch: a fast device shows a better picture before anybody notices.
-  double first_seconds = 0.005;
+  double first_seconds = 0.002;
   /// Doublings of the sample count are not jumped over (a frame is shown at each), but for quanta
   /// shorter than this: those would cost more in launches than they bring.
-  double least_seconds = 0.002;
+  double least_seconds = 0.001;
   std::uint32_t max_samples = 1024;
 };
 

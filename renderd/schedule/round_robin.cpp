@@ -6,7 +6,7 @@ std::vector<Quantum> RoundRobin::next(std::span<const SessionView> sessions) {
   const SessionView* after = nullptr;   // the lowest handle above the last turn
   const SessionView* lowest = nullptr;  // of all: where the round begins again
   for (const SessionView& session : sessions) {
-    if (!gains(session)) continue;
+    if (!waits(session)) continue;
     if (!lowest || session.session < lowest->session) lowest = &session;
     if (session.session > last_ && (!after || session.session < after->session)) after = &session;
   }

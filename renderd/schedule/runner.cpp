@@ -25,8 +25,8 @@ constexpr double kLongestStillSeconds = 0.25;
 
 }  // namespace
 
-// A session on this device. All but `gone` belongs to the runner's thread, and during a round to
-// the lane that has its turn.
+// A session on this device. All but `gone` belongs to the runner's thread, and while a quantum is
+// under way to the lane that has it.
 struct Runner::Track {
   explicit Track(std::uint64_t first_epoch) : ledger(first_epoch) {}
 
@@ -35,17 +35,28 @@ struct Runner::Track {
   std::unique_ptr<FrameRenderer> renderer;
   std::atomic<bool> gone{false};
   Ledger ledger;
+
+  // Of the runner's thread, always.
+  bool under_way = false;
+  bool moving = false;
+  SessionView seen;  // when it was last looked at
 };
 
-// One quantum of a round, and what came of it.
+struct Runner::Still {
+  StillJob job;
+  std::uint64_t samples = 0;
+};
+
+// What a lane has to do, and what came of it.
 struct Runner::Turn {
   std::shared_ptr<Track> track;
-  std::uint32_t samples = 0;
+  std::uint32_t samples = 0;                 // 0: none, a picture is due
+  std::optional<EmissionQuestion> question;  // of that picture
+  std::shared_ptr<Still> still;              // instead of a track
   double fill = 1;
-  double scene_seconds = 0;
-  std::optional<Error> refused;
-  std::optional<Result<Batch>> batch;
-  Progress progress;
+
+  std::optional<Error> refused, failed;
+  double scene_seconds = 0, picture_seconds = 0, render_seconds = 0;
 };
 
 Runner::Runner(std::unique_ptr<Policy> policy, const Clock& clock, Options options)
@@ -117,16 +128,22 @@ void Runner::run() {
       seen = wakes_;
     }
     adopt();
+    collect();
     if (step()) continue;
-    const Time since = clock_.now();
     std::unique_lock lock(mutex_);
+    const bool idle = in_flight_.count() == 0;
+    const Time since = clock_.now();
     changed_.wait_for(lock, next_rest(), [&] { return wakes_ != seen; });
-    spent_.idle += seconds_between(since, clock_.now());
+    if (idle) spent_.idle += seconds_between(since, clock_.now());
+  }
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return in_flight_.count() == 0; });
   }
   adopt();
-  tell_times();
-  for (StillJob& job : stills_) {
-    job.done(fail(ErrorCode::kUnavailable, "The render server is stopping."), 0);
+  collect();
+  for (const auto& still : stills_) {
+    still->job.done(fail(ErrorCode::kUnavailable, "The render server is stopping."), 0);
   }
 }
 
@@ -135,7 +152,9 @@ void Runner::adopt() {
   const std::lock_guard lock(mutex_);
   for (auto& track : arriving_) tracks_.push_back(std::move(track));
   arriving_.clear();
-  for (StillJob& job : arriving_stills_) stills_.push_back(std::move(job));
+  for (StillJob& job : arriving_stills_) {
+    stills_.push_back(std::make_shared<Still>(Still{std::move(job)}));
+  }
   arriving_stills_.clear();
   const auto gone = [](const std::shared_ptr<Track>& track) { return track->gone.load(); };
   std::copy_if(tracks_.begin(), tracks_.end(), std::back_inserter(leaving), gone);
@@ -148,6 +167,7 @@ std::chrono::nanoseconds Runner::next_rest() const {
   const Time now = clock_.now();
   std::chrono::nanoseconds wait = std::chrono::seconds(1);
   for (const auto& track : tracks_) {
+    if (track->under_way) continue;
     const Wanted& wanted = track->ledger.wanted();
     if (!track->ledger.moving() || !wanted.visible) continue;
     const Seconds rest = Seconds(kRestSeconds) - (now - wanted.last_input);
@@ -157,106 +177,179 @@ std::chrono::nanoseconds Runner::next_rest() const {
   return wait;
 }
 
-void Runner::tell_times() {
+double Runner::busy_seconds() const {
   const std::lock_guard lock(mutex_);
-  told_ = spent_;
+  return in_flight_.busy_seconds(clock_.now());
 }
 
 RunnerTimes Runner::times() const {
   const std::lock_guard lock(mutex_);
-  return told_;
+  RunnerTimes times = spent_;
+  times.busy = in_flight_.busy_seconds(clock_.now());
+  return times;
 }
 
-// Of everybody, what is wanted now; what is due is shown.
-std::vector<SessionView> Runner::look(Time now) {
+// What the lanes have ended.
+void Runner::collect() {
+  std::vector<std::unique_ptr<Turn>> ended;
+  double busy = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    ended.swap(ended_);
+    busy = in_flight_.busy_seconds(clock_.now());
+    for (const auto& turn : ended) {
+      spent_.scenes += turn->scene_seconds;
+      spent_.rendering += turn->render_seconds;
+      spent_.pictures += turn->picture_seconds;
+    }
+  }
+  still_seconds_due_ =
+      std::min(still_seconds_due_ + still_share_ * (busy - busy_told_), kLongestStillSeconds);
+  busy_told_ = busy;
+  for (const auto& turn : ended) turn->still ? settle_still(*turn) : settle(*turn);
+}
+
+void Runner::settle(Turn& turn) {
+  Track& track = *turn.track;
+  track.under_way = false;
+  if (turn.failed) return drop(track, *turn.failed);
+  if (!turn.refused) return;
+  if (!track.ledger.has_picture()) return drop(track, *turn.refused);
+  track.ledger.refused();
+  track.client->refused(track.ledger.wanted(), *turn.refused);
+}
+
+// Of everybody, what is wanted now; a picture that is due although nothing is rendered is begun.
+std::vector<SessionView> Runner::look() {
+  const Time now = clock_.now();
+  DeviceCosts costs;
+  {
+    const std::lock_guard lock(mutex_);
+    costs = costs_;
+  }
   std::vector<SessionView> views;
   views.reserve(tracks_.size());
-  bool anybody_moves = false;
+  std::size_t moving = 0;
   for (const auto& track : tracks_) {
+    if (track->gone) continue;
     Ledger& ledger = track->ledger;
-    ledger.refresh(track->client->wanted(), costs_, options_.rules, now);
-    emit_if_due(*track, now);
-    if (!ledger.wanted().scene || track->gone) continue;
-    views.push_back(ledger.view(track->handle, costs_, options_.rules, now));
-    anybody_moves = anybody_moves || (ledger.moving() && ledger.wanted().visible);
+    if (!track->under_way) {
+      ledger.refresh(track->client->wanted(), costs, options_.rules, now);
+      track->seen = ledger.view(track->handle, costs, options_.rules, now);
+      track->moving = ledger.moving() && ledger.wanted().visible;
+      const auto question = ledger.emission(options_.rules, now);
+      if (question && should_emit(*question)) {
+        auto turn = std::make_unique<Turn>();
+        turn->track = track;
+        turn->question = question;
+        turn->fill = 0;  // hardly any of the device
+        begin(std::move(turn));
+      }
+      if (!ledger.wanted().scene) continue;
+    }
+    track->seen.under_way = track->under_way;
+    if (track->moving) ++moving;
+    views.push_back(track->seen);
   }
-  still_share_ = anybody_moves ? kStillShareMoving : kStillShare;
+  still_share_ = moving > 0 ? kStillShareMoving : kStillShare;
+  const std::lock_guard lock(mutex_);
+  costs_.moving_sessions = moving;
   return views;
 }
 
 bool Runner::step() {
-  const Time now = clock_.now();
-  const double pictures = spent_.pictures;
-  const std::vector<SessionView> views = look(now);
-  const Time looked = clock_.now();
-  // Pictures are no loss: somebody sees them.
-  spent_.deciding += seconds_between(now, looked) - (spent_.pictures - pictures);
-  if (still_seconds_due_ >= kStillQuantumSeconds && still_quantum()) return true;
+  const Time start = clock_.now();
+  const std::vector<SessionView> views = look();
+  {
+    const std::lock_guard lock(mutex_);
+    spent_.deciding += seconds_between(start, clock_.now());
+    if (!room_for_another(in_flight_, options_.device_queues)) return false;
+  }
+  if (still_seconds_due_ >= kStillQuantumSeconds && begin_still()) return true;
   const Time asked = clock_.now();
   const std::vector<Quantum> quanta = policy_->next(views);
-  const double decided = seconds_between(asked, clock_.now());
-  spent_.policy += decided;
-  spent_.deciding += decided;
-  tell_times();
-  return quanta.empty() ? still_quantum() : round(quanta);
-}
-
-bool Runner::round(const std::vector<Quantum>& quanta) {
-  std::vector<Turn> turns;
-  std::vector<std::uint64_t> handles;
-  double filled = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    const double decided = seconds_between(asked, clock_.now());
+    spent_.policy += decided;
+    spent_.deciding += decided;
+  }
   for (const Quantum& quantum : quanta) {
     const auto chosen = std::find_if(tracks_.begin(), tracks_.end(), [&](const auto& track) {
       return track->handle == quantum.session;
     });
     if (chosen == tracks_.end()) continue;
-    Turn turn;
-    turn.track = *chosen;
-    turn.samples = quantum.samples;
+    auto turn = std::make_unique<Turn>();
+    turn->track = *chosen;
+    turn->samples = quantum.samples;
     const double parallel = options_.rules.device_parallel;
-    const Canvas canvas = turn.track->ledger.planned();
+    const Canvas canvas = turn->track->ledger.planned();
     const double work = double(canvas.width) * canvas.height * quantum.samples;
-    turn.fill = parallel > 0 ? std::min(1.0, work / parallel) : 1;
-    filled += turn.fill;
-    handles.push_back(quantum.session);
-    turns.push_back(std::move(turn));
+    turn->fill = parallel > 0 ? std::min(1.0, work / parallel) : 1;
+    begin(std::move(turn));
   }
-  if (turns.empty()) return false;
-  std::sort(handles.begin(), handles.end());
-  const Time start = clock_.now();
-  lanes_.run(turns.size(), [&](std::size_t i) { carry_out(turns[i]); });
-  const double seconds = seconds_between(start, clock_.now());
-  double scenes = 0;
-  double all = 0;
-  for (Turn& turn : turns) {
-    scenes += turn.scene_seconds;
-    all += turn.scene_seconds + (turn.batch && *turn.batch ? (*turn.batch)->seconds : 0);
-    // What a sample costs alone: those that share a full device wait for each other.
-    settle(turn, turns.size() > 1 ? std::min(1.0, 1 / filled) : 1);
-  }
-  const double scene_share = all > 0 ? seconds * scenes / all : 0;
-  spent_.scenes += scene_share;
-  spent_.rendering += seconds - scene_share;
-  ++spent_.rounds;
-  spent_.quanta += turns.size();
-  spent_.switches += handles != last_round_;
-  last_round_ = std::move(handles);
-  busy(seconds - scene_share);
-  return true;
+  return quanta.empty() ? begin_still() : true;
 }
 
-// In a lane: the renderer alone, and whether newer input came.
-void Runner::carry_out(Turn& turn) const {
+void Runner::begin(std::unique_ptr<Turn> turn) {
+  if (turn->track) turn->track->under_way = true;
+  if (turn->still) still_under_way_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    in_flight_.begin(turn->fill, clock_.now());
+    if (turn->track && turn->samples > 0) {
+      ++spent_.quanta;
+      spent_.switches += last_ != turn->track->handle;
+      last_ = turn->track->handle;
+    }
+  }
+  // A std::function must be copyable; the turn is not.
+  lanes_.start([this, turn = turn.release()] {
+    std::unique_ptr<Turn> mine(turn);
+    mine->still ? carry_out_still(*mine) : carry_out(*mine);
+    ended(std::move(mine));
+  });
+}
+
+void Runner::ended(std::unique_ptr<Turn> turn) {
+  // Under the lock, since with the last turn the runner may go.
+  const std::lock_guard lock(mutex_);
+  in_flight_.end(turn->fill, clock_.now());
+  ended_.push_back(std::move(turn));
+  ++wakes_;
+  changed_.notify_one();
+}
+
+double Runner::fill_seconds(Time now) const {
+  const std::lock_guard lock(mutex_);
+  return in_flight_.fill_seconds(now);
+}
+
+// Of those since `start`, when fill_seconds() was `before`: what it would have taken alone.
+double Runner::own_seconds(Time start, double before) const {
+  const Time now = clock_.now();
+  const double seconds = seconds_between(start, now);
+  return seconds > 0 ? seconds * own_share((fill_seconds(now) - before) / seconds) : 0;
+}
+
+void Runner::carry_out(Turn& turn) {
+  if (turn.question) return show(turn, *turn.question);
+  if (render(turn)) show_if_due(turn);
+}
+
+// The scene that is wanted, and the samples. False: there is nothing to show.
+bool Runner::render(Turn& turn) {
   Track& track = *turn.track;
   Ledger& ledger = track.ledger;
   if (ledger.stale()) {
     const Time start = clock_.now();
+    const double filled = fill_seconds(start);
     track.renderer->prepare_denoising(!ledger.wanted().raw);
     auto taken = track.renderer->set_scene(*ledger.wanted().scene, ledger.planned());
-    turn.scene_seconds = seconds_between(start, clock_.now());
+    turn.scene_seconds = own_seconds(start, filled);
     if (!taken) {
       turn.refused = std::move(taken.error());
-      return;
+      return false;
     }
     ledger.began(turn.scene_seconds, clock_.now());
     track.client->began(ledger.epoch(), ledger.wanted());
@@ -266,45 +359,58 @@ void Runner::carry_out(Turn& turn) const {
     if (stopping_ || track.gone) return true;
     return interruptible && track.client->version() != ledger.applied_version();
   };
-  turn.batch = track.renderer->render(turn.samples, stop);
-  turn.progress = track.renderer->progress();
-}
-
-// `share`: of the seconds that the quantum took, those that were its own.
-void Runner::settle(Turn& turn, double share) {
-  Track& track = *turn.track;
-  if (turn.refused) {
-    if (!track.ledger.has_picture()) return drop(track, *turn.refused);
-    track.ledger.refused();
-    track.client->refused(track.ledger.wanted(), *turn.refused);
-    return;
+  const Time start = clock_.now();
+  const double filled_before = fill_seconds(start);
+  const auto batch = track.renderer->render(turn.samples, stop);
+  if (!batch) {
+    turn.failed = batch.error();
+    return false;
   }
-  if (!*turn.batch) return drop(track, turn.batch->error());
-  const Batch& batch = **turn.batch;
-  Batch alone = batch;
-  alone.seconds *= share;
-  track.ledger.rendered(alone, turn.progress, costs_, clock_.now());
-  if (!track.gone) track.client->rendered(batch);
+  const Progress progress = track.renderer->progress();
+  const Time now = clock_.now();
+  turn.render_seconds = seconds_between(start, now);
+  // What a sample costs alone: those that share a full device wait for each other.
+  Batch alone = *batch;
+  if (turn.render_seconds > 0) {
+    alone.seconds *= own_seconds(start, filled_before) / turn.render_seconds;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    ledger.rendered(alone, progress, costs_, now);
+  }
+  if (track.gone) return false;
+  track.client->rendered(*batch);
+  return true;
 }
 
-void Runner::busy(double seconds) {
-  busy_seconds_ = busy_seconds_ + seconds;
-  still_seconds_due_ = std::min(still_seconds_due_ + still_share_ * seconds, kLongestStillSeconds);
+void Runner::show_if_due(Turn& turn) {
+  Track& track = *turn.track;
+  const Time now = clock_.now();
+  DeviceCosts costs;
+  {
+    const std::lock_guard lock(mutex_);
+    costs = costs_;
+  }
+  track.ledger.refresh(track.client->wanted(), costs, options_.rules, now);
+  const auto question = track.ledger.emission(options_.rules, now);
+  if (question && should_emit(*question)) show(turn, *question);
 }
 
-void Runner::emit_if_due(Track& track, Time now) {
+void Runner::show(Turn& turn, const EmissionQuestion& question) {
+  Track& track = *turn.track;
   Ledger& ledger = track.ledger;
   if (track.gone) return;
-  const auto question = ledger.emission(options_.rules, now);
-  if (!question || !should_emit(*question)) return;
-
   const Time start = clock_.now();
+  const double filled = fill_seconds(start);
   RenderedPicture rendered;
   // The last picture is what the samples say and nothing else.
   const Result<bool> shown =
-      question->converged ? track.renderer->display(rendered.picture).map([] { return false; })
-                          : track.renderer->display_denoised(rendered.picture);
-  if (!shown) return drop(track, shown.error());
+      question.converged ? track.renderer->display(rendered.picture).map([] { return false; })
+                         : track.renderer->display_denoised(rendered.picture);
+  if (!shown) {
+    turn.failed = shown.error();
+    return;
+  }
   rendered.info.epoch = ledger.epoch();
   // An update that changed nothing is answered by the same picture under its own number.
   rendered.info.input_seq = ledger.stale() ? ledger.input_seq() : ledger.wanted().input_seq;
@@ -313,59 +419,78 @@ void Runner::emit_if_due(Track& track, Time now) {
   rendered.info.render_us = static_cast<std::uint64_t>(ledger.progress().seconds * 1e6);
   rendered.info.first_of_epoch = ledger.samples_shown() == 0;
   rendered.info.moving = ledger.moving();
-  rendered.info.converged = question->converged;
+  rendered.info.converged = question.converged;
   rendered.info.denoised = *shown;
-  const double seconds = seconds_between(start, clock_.now());
-  spent_.pictures += seconds;
-  ledger.shown(seconds, costs_, now);
+  turn.picture_seconds = seconds_between(start, clock_.now());
+  {
+    const double alone = own_seconds(start, filled);
+    const std::lock_guard lock(mutex_);
+    ledger.shown(alone, costs_, start);
+  }
   track.client->picture(std::move(rendered));
 }
 
-bool Runner::still_quantum() {
-  while (!stills_.empty() && stills_.front().cancelled && stills_.front().cancelled()) {
+bool Runner::begin_still() {
+  if (still_under_way_) return false;
+  while (!stills_.empty() && stills_.front()->job.cancelled && stills_.front()->job.cancelled()) {
     stills_.pop_front();
-    still_samples_ = 0;
   }
   if (stills_.empty()) return false;
-  StillJob& job = stills_.front();
+  auto turn = std::make_unique<Turn>();
+  turn->still = stills_.front();
+  // One sample, then as many as fit what is due at the speed seen so far.
+  const Still& still = *turn->still;
+  const Progress before = still.samples > 0 ? still.job.renderer->progress() : Progress{};
+  const double per_sample = before.samples > 0 ? before.seconds / double(before.samples) : 0;
+  const double due = std::max(still_seconds_due_, kStillQuantumSeconds);
+  const auto left = still.job.samples - std::min<std::uint64_t>(still.job.samples, still.samples);
+  turn->samples = samples_within(due, per_sample, std::max<std::uint64_t>(left, 1));
+  begin(std::move(turn));
+  return true;
+}
+
+void Runner::carry_out_still(Turn& turn) {
+  StillJob& job = turn.still->job;
+  const Time start = clock_.now();
+  if (turn.still->samples == 0) {
+    if (const auto taken = job.renderer->set_scene(*job.scene, job.canvas); !taken) {
+      turn.failed = taken.error();
+      return;
+    }
+  }
+  const auto batch = job.renderer->render(turn.samples, [this] { return stopping_.load(); });
+  turn.render_seconds = seconds_between(start, clock_.now());
+  if (!batch) {
+    turn.failed = batch.error();
+    return;
+  }
+  turn.still->samples += batch->samples;
+}
+
+// The picture is made here: a thumbnail's takes next to nothing.
+void Runner::settle_still(Turn& turn) {
+  still_under_way_ = false;
+  still_seconds_due_ = std::max(0.0, still_seconds_due_ - turn.render_seconds);
+  StillJob& job = turn.still->job;
   const auto end = [&](Result<PictureRgb8> picture, double error) {
     job.done(std::move(picture), error);
     stills_.pop_front();
-    still_samples_ = 0;
   };
-  if (still_samples_ == 0) {
-    if (const auto taken = job.renderer->set_scene(*job.scene, job.canvas); !taken) {
-      end(tl::unexpected(taken.error()), 0);
-      return true;
+  if (turn.failed) {
+    end(tl::unexpected(*turn.failed), 0);
+    if (turn.failed->code == ErrorCode::kDeviceLost && options_.device_lost) {
+      options_.device_lost(*turn.failed);
     }
+    return;
   }
-  // One sample, then as many as fit what is due at the speed seen so far.
-  const Progress before = job.renderer->progress();
-  const double per_sample = before.samples > 0 ? before.seconds / double(before.samples) : 0;
-  const double due = std::max(still_seconds_due_, kStillQuantumSeconds);
-  const double fitting = per_sample > 0 ? due / per_sample : 1;
-  const auto left = job.samples - std::min<std::uint64_t>(job.samples, still_samples_);
-  const auto samples = static_cast<std::uint32_t>(
-      std::clamp<double>(fitting, 1, static_cast<double>(std::max<std::uint64_t>(left, 1))));
-  const auto batch = job.renderer->render(samples, [this] { return stopping_.load(); });
-  if (!batch) {
-    const Error& why = batch.error();
-    end(tl::unexpected(why), 0);
-    if (why.code == ErrorCode::kDeviceLost && options_.device_lost) options_.device_lost(why);
-    return true;
-  }
-  busy_seconds_ = busy_seconds_ + batch->seconds;
-  still_seconds_due_ = std::max(0.0, still_seconds_due_ - batch->seconds);
-  still_samples_ += batch->samples;
-  const bool late = still_samples_ > 0 && clock_.now() >= job.until;
-  if (still_samples_ < job.samples && !late) return true;
+  const bool late = turn.still->samples > 0 && clock_.now() >= job.until;
+  if (turn.still->samples < job.samples && !late) return;
   PictureRgb8 picture;
   if (const auto shown = job.renderer->display(picture); !shown) {
     end(tl::unexpected(shown.error()), 0);
   } else {
     end(std::move(picture), job.renderer->progress().error);
   }
-  return true;
 }
 
 void Runner::drop(Track& track, const Error& why) {

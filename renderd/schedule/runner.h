@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/clock.h"
+#include "renderd/schedule/in_flight.h"
 #include "renderd/schedule/lanes.h"
 #include "renderd/schedule/ledger.h"
 #include "renderd/schedule/policy.h"
@@ -34,27 +35,31 @@ struct StillJob {
   std::function<void(Result<PictureRgb8>, double error)> done;
 };
 
-/// Where a device's time went, seconds since the start.
+/// Where a device's time went, seconds since the start. What is `rendering`, `scenes` and
+/// `pictures` goes on at once for several sessions, each counted.
 struct RunnerTimes {
-  double rendering = 0;  ///< samples; rounds of several sessions count once
+  double rendering = 0;  ///< samples
   double scenes = 0;     ///< new epochs: tables prepared and uploaded, films cleared
   double pictures = 0;   ///< tone-mapped, smoothed, read back
-  double deciding = 0;   ///< what is wanted, the policy, what is due: between two quanta
+  double busy = 0;       ///< anything was under way
+  double idle = 0;       ///< nothing was, and nobody gained
+  double deciding = 0;   ///< what is wanted, the policy, what is due; beside what is under way
   double policy = 0;     ///< of `deciding`, the policy's own
-  double idle = 0;       ///< nobody gained
-  std::uint64_t rounds = 0;
   std::uint64_t quanta = 0;
-  std::uint64_t switches = 0;  ///< rounds of other sessions than the round before
+  std::uint64_t switches = 0;  ///< quanta of another session than the one before
 };
 
-/// One device's thread: asks the policy whose quanta are next and carries them out. All decisions
-/// are pure functions elsewhere (Policy, Ledger, plan_canvas, should_emit); here are the clock, the
-/// lock and the renderers. Quanta of one round go to the device together, each by a lane.
+/// One device's thread: asks the policy whose quanta are next and has lanes carry them out. All
+/// decisions are pure functions elsewhere (Policy, Ledger, room_for_another, plan_canvas,
+/// should_emit); here are the clock, the lock and the renderers. A quantum is a new scene if one is
+/// wanted, samples, and the picture if one is due; on a device that queues, the next one is there
+/// before it ends.
 class Runner {
  public:
   struct Options {
     LedgerRules rules;
-    std::size_t lanes = 8;  ///< quanta that go to the device together at most
+    std::size_t lanes = 8;       ///< quanta that are under way together at most
+    bool device_queues = false;  ///< as EngineInfo::queues
     /// The device's context is broken: nothing on it can go on.
     std::function<void(const Error&)> device_lost;
   };
@@ -75,29 +80,39 @@ class Runner {
   /// Ends the thread: nothing is rendered any more, stills end with kUnavailable. Idempotent.
   void stop();
 
-  /// Seconds spent in quanta since the start, for the load that the heartbeat tells.
-  double busy_seconds() const { return busy_seconds_.load(std::memory_order_relaxed); }
+  /// Seconds with anything under way since the start, for the load that the heartbeat tells.
+  double busy_seconds() const;
   RunnerTimes times() const;
 
  private:
   struct Track;
   struct Turn;
+  struct Still;
   using Time = Ledger::Time;
 
   void run();
   void adopt();
-  /// True when something was done that may call for more.
+  void collect();
+  /// True when something was begun that may leave room for more.
   bool step();
-  std::vector<SessionView> look(Time now);
-  void emit_if_due(Track& track, Time now);
-  bool round(const std::vector<Quantum>& quanta);
-  void carry_out(Turn& turn) const;
-  void settle(Turn& turn, double share);
-  bool still_quantum();
+  std::vector<SessionView> look();
+  void begin(std::unique_ptr<Turn> turn);
+  bool begin_still();
+
+  // In a lane.
+  void carry_out(Turn& turn);
+  bool render(Turn& turn);
+  void show_if_due(Turn& turn);
+  void show(Turn& turn, const EmissionQuestion& question);
+  void carry_out_still(Turn& turn);
+  double fill_seconds(Time now) const;
+  double own_seconds(Time start, double before) const;
+  void ended(std::unique_ptr<Turn> turn);
+
+  void settle(Turn& turn);
+  void settle_still(Turn& turn);
   std::chrono::nanoseconds next_rest() const;
   void drop(Track& track, const Error& why);
-  void busy(double seconds);
-  void tell_times();
 
   const std::unique_ptr<Policy> policy_;
   const Clock& clock_;
@@ -110,20 +125,21 @@ class Runner {
   std::vector<std::shared_ptr<Track>> known_;  // what `remove` looks in
   std::deque<StillJob> arriving_stills_;
   std::uint64_t next_handle_ = 1;
-  RunnerTimes told_;  // a copy of `spent_` for others
+  mutable InFlight in_flight_;
+  std::vector<std::unique_ptr<Turn>> ended_;
+  DeviceCosts costs_;
+  RunnerTimes spent_;
   std::atomic<bool> stopping_{false};
-  std::atomic<double> busy_seconds_{0};
 
   // Of the thread alone.
   std::vector<std::shared_ptr<Track>> tracks_;
-  std::deque<StillJob> stills_;
-  DeviceCosts costs_;
-  Lanes lanes_;
-  std::vector<std::uint64_t> last_round_;  // handles
-  RunnerTimes spent_;
+  std::deque<std::shared_ptr<Still>> stills_;
+  bool still_under_way_ = false;
+  std::uint64_t last_ = 0;  // whose quantum was begun last
   double still_share_ = 0;
-  double still_seconds_due_ = 0;     // of the device, to the stills
-  std::uint64_t still_samples_ = 0;  // of the first of `stills_`
+  double still_seconds_due_ = 0;  // of the device, to the stills
+  double busy_told_ = 0;          // for that
+  Lanes lanes_;                   // ends before what its work touches
   std::thread thread_;
 };
 

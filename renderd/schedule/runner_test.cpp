@@ -105,8 +105,9 @@ struct RunnerTest : testing::Test {
   std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
   SystemClock clock;
   std::atomic<int> lost{0};
-  Runner runner{std::make_unique<RoundRobin>(), clock,
-                Runner::Options{{0.1, 4, 1 << 20}, 8, [this](const Error&) { ++lost; }}};
+  Runner runner{
+      std::make_unique<RoundRobin>(), clock,
+      Runner::Options{.rules = {0.1, 4, 1 << 20}, .device_lost = [this](const Error&) { ++lost; }}};
 
   std::shared_ptr<Viewer> viewer(Canvas viewport = {100, 100}) {
     auto made = std::make_shared<Viewer>(clock, viewport);
@@ -285,32 +286,63 @@ TEST_F(RunnerTest, AViewerThatComesBackGetsThePictureThatIsThere) {
   EXPECT_EQ(one->pictures().back().info.epoch, before.back().info.epoch);
 }
 
-struct RoundsTest : testing::Test {
+struct TogetherTest : testing::Test {
   std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
   SystemClock clock;
 
-  /// Renderers that were at work at once while two sessions converged.
-  int at_once(double device_parallel) {
+  /// Renderers that were at work at once while four sessions converged.
+  int at_once(double device_parallel, bool queues) {
     device->seconds_per_megapixel = 0.5;  // 5 ms a sample of 100 x 100
     Runner::Options options;
     options.rules = {.target_error = 0.1, .fewest_samples = 4, .device_parallel = device_parallel};
+    options.device_queues = queues;
     Runner runner(std::make_unique<MarginalGain>(), clock, options);
-    const auto one = std::make_shared<Viewer>(clock);
-    const auto two = std::make_shared<Viewer>(clock);
-    for (const auto& each : {one, two})
-      runner.add(each, std::make_unique<FakeRenderer>(device, nullptr), 0);
-    EXPECT_TRUE(eventually([&] { return one->samples >= 10 && two->samples >= 10; }));
+    std::vector<std::shared_ptr<Viewer>> viewers;
+    for (int i = 0; i < 4; ++i) {
+      viewers.push_back(std::make_shared<Viewer>(clock));
+      runner.add(viewers.back(), std::make_unique<FakeRenderer>(device, nullptr), 0);
+    }
+    EXPECT_TRUE(eventually([&] {
+      return std::all_of(viewers.begin(), viewers.end(),
+                         [](const auto& viewer) { return viewer->samples >= 10; });
+    }));
     runner.stop();
     const RunnerTimes times = runner.times();
-    EXPECT_GE(times.quanta, times.rounds);
-    EXPECT_GT(times.rendering, 0.04);
+    EXPECT_GT(times.quanta, 4U);
+    EXPECT_GT(times.rendering, 0.08);
+    EXPECT_GT(times.busy, 0.02);
     return device->most_at_once;
   }
 };
 
-TEST_F(RoundsTest, QuantaThatDoNotFillTheDeviceGoToItTogether) { EXPECT_EQ(at_once(1e6), 2); }
+TEST_F(TogetherTest, QuantaThatDoNotFillTheDeviceGoToItTogether) {
+  EXPECT_EQ(at_once(1e6, false), 4);
+}
 
-TEST_F(RoundsTest, OneThatFillsTheDeviceGoesAlone) { EXPECT_EQ(at_once(1e4), 1); }
+TEST_F(TogetherTest, BehindOneThatFillsTheDeviceWaitsOneMore) { EXPECT_EQ(at_once(1e3, true), 2); }
+
+TEST_F(TogetherTest, AFullDeviceWithoutAQueueHasNoSecond) { EXPECT_EQ(at_once(1e3, false), 1); }
+
+/// Two sessions share a full device all the time: each learns what it costs alone.
+TEST_F(TogetherTest, NoSessionIsChargedForWhatItWaitedForAnother) {
+  device->seconds_per_megapixel = 0.5;
+  device->one_at_a_time = true;
+  Runner::Options options;
+  options.rules = {.target_error = 1e-6, .device_parallel = 1e3};
+  options.device_queues = true;
+  Runner runner(std::make_unique<RoundRobin>(), clock, options);
+  std::vector<std::shared_ptr<Viewer>> viewers;
+  for (int i = 0; i < 2; ++i) {
+    viewers.push_back(std::make_shared<Viewer>(clock));
+    runner.add(viewers.back(), std::make_unique<FakeRenderer>(device, nullptr), 0);
+  }
+  EXPECT_TRUE(eventually([&] { return viewers[0]->samples + viewers[1]->samples >= 60; }));
+  const RunnerTimes times = runner.times();
+  // Two at a time, one of which waits: the lanes were busy for twice as long as the device.
+  EXPECT_GT(times.rendering, 1.5 * times.busy);
+  EXPECT_EQ(device->most_at_once, 2);
+  runner.stop();
+}
 
 StillJob still_job(const std::shared_ptr<FakeDevice>& device, std::promise<double>& done) {
   StillJob job;

@@ -20,7 +20,9 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, const std::string& store
 }
 
 Runner::Options with_device(Runner::Options options, const Engine& engine) {
-  options.rules.device_parallel = engine.info().parallel;
+  const EngineInfo info = engine.info();
+  options.rules.device_parallel = info.parallel;
+  options.device_queues = info.queues;
   return options;
 }
 

@@ -17,9 +17,10 @@ Outcome refuse(ErrorCode code, std::string message, bool fatal) {
   return outcome;
 }
 
-void note_input(SessionState& state, std::uint64_t input_seq, TimePoint now) {
+void note_input(SessionState& state, std::uint64_t input_seq, bool rest, TimePoint now) {
   state.wanted.input_seq = input_seq;
   state.wanted.last_input = now;
+  state.wanted.rest = rest;
   state.unsaved = true;
   if (!state.measured_since) {
     state.measured_input = input_seq;
@@ -122,7 +123,7 @@ Outcome receive_scene(SessionState& state, Receiver& receiver, const v1::SceneUp
   } else {
     state.wanted.picture_again = true;  // the viewer waits for a frame with this number
   }
-  note_input(state, update.input_seq(), now);
+  note_input(state, update.input_seq(), update.rest(), now);
   outcome.wake = true;
   return outcome;
 }

@@ -306,6 +306,18 @@ TEST_F(StateTest, AnAttachedViewerStartsWithAFrameOfWhatThereIs) {
 }
 
 /// The switch of the denoiser changes the picture, so it is a new version of what is wanted.
+TEST_F(StateTest, AGestureIsOverWhenItsLastInputSaysSoAndNotBefore) {
+  say(hello());
+  say(turned(1));
+  EXPECT_FALSE(state.wanted.rest);
+  v1::ClientMessage last = turned(2);
+  last.mutable_scene()->set_rest(true);
+  say(last);
+  EXPECT_TRUE(state.wanted.rest);
+  say(turned(3));
+  EXPECT_FALSE(state.wanted.rest);
+}
+
 TEST(SessionState, RawPicturesAreWantedOnlyWhereAskedFor) {
   SessionState state;
   const TimePoint now{};

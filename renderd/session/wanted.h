@@ -15,6 +15,7 @@ struct Wanted {
   Canvas viewport;
   std::uint64_t input_seq = 0;  ///< the newest input in it
   std::chrono::steady_clock::time_point last_input{};
+  bool rest = false;  ///< that input said that it is the last of its gesture
   bool visible = true;
   bool room = true;            ///< its slot before the encoder is free and the viewer keeps up
   bool raw = false;            ///< no denoiser

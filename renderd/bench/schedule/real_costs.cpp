@@ -27,26 +27,24 @@ v1::Scene turned(v1::Scene scene, int step) {
   return scene;
 }
 
-/// Until so many samples gave an error that can be trusted, and the device was busy for a while.
-constexpr std::uint64_t kNoiseSamples = 64;
 constexpr double kLeastSeconds = 0.3;
 
 Result<SceneCost> scene_cost(FrameRenderer& renderer, const v1::Scene& scene, Canvas canvas) {
   if (const auto taken = renderer.set_scene(scene, canvas); !taken) {
     return tl::unexpected(taken.error());
   }
-  if (const auto warm = renderer.render(4, kNever); !warm) return tl::unexpected(warm.error());
+  // What the first samples say of the error is what a good picture takes.
+  if (const auto first = renderer.render(2, kNever); !first) return tl::unexpected(first.error());
+  const double noise = renderer.progress().error * std::sqrt(2.0);
   double seconds = 0;
   std::uint64_t samples = 0;
-  while (renderer.progress().samples < kNoiseSamples || seconds < kLeastSeconds) {
+  while (seconds < kLeastSeconds) {
     const auto batch = renderer.render(16, kNever);
     if (!batch) return tl::unexpected(batch.error());
     seconds += batch->seconds;
     samples += batch->samples;
   }
-  const Progress progress = renderer.progress();
-  return SceneCost{seconds / (double(samples) * canvas.width * canvas.height),
-                   progress.error * std::sqrt(double(progress.samples))};
+  return SceneCost{seconds / (double(samples) * canvas.width * canvas.height), noise};
 }
 
 }  // namespace
@@ -62,6 +60,7 @@ Result<DeviceModel> measure_costs(const Stage& stage, double scale) {
   DeviceModel model;
   model.name = stage.engine.info().device;
   model.parallel = stage.engine.info().parallel;
+  model.queues = stage.engine.info().queues;
   model.look_seconds = 0.3e-6;
   auto renderer = stage.engine.renderer(stage.volume, 1, 0, kLiveMethod);
   if (!renderer) return tl::unexpected(renderer.error());

@@ -28,6 +28,7 @@ class Viewer final : public RenderClient {
     eye.set_x(eye.x() + 40 * std::sin(0.05 * double(wanted_.version)));
     wanted_.scene = std::move(scene);
     wanted_.last_input = SteadyClock::now();
+    wanted_.rest = last;
     ++wanted_.input_seq;
     version_ = ++wanted_.version;
     score_.input(at, last);
@@ -109,6 +110,7 @@ Result<TraceRun> run_real(const Trace& trace, const Stage& stage, const DeviceMo
   Runner::Options options;
   options.rules = stage.rules;
   options.rules.device_parallel = model.parallel;
+  options.device_queues = model.queues;
   Runner runner(std::move(policy), clock, options);
   const auto start = SteadyClock::now();
   std::vector<Seat> seats(trace.sessions.size());
@@ -138,14 +140,17 @@ Result<TraceRun> run_real(const Trace& trace, const Stage& stage, const DeviceMo
     if (seat.viewer && seat.viewer->failure()) return tl::unexpected(*seat.viewer->failure());
   }
   const RunnerTimes spent = runner.times();
+  const double seconds = std::chrono::duration<double>(SteadyClock::now() - start).count();
   DeviceTime time;
-  // What a quantum costs beside its samples is in the time of the round.
-  const double launches = model.quantum_seconds * static_cast<double>(spent.rounds);
-  time.rendering = std::max(0.0, spent.rendering - launches);
-  time.scenes = spent.scenes;
-  time.pictures = spent.pictures;
-  time.switching = spent.deciding + std::min(launches, spent.rendering);
+  // Several go on at once: the time with anything under way is theirs by what each took.
+  const double lanes = std::max(spent.rendering + spent.scenes + spent.pictures, 1e-9);
+  time.rendering = spent.busy * spent.rendering / lanes;
+  time.scenes = spent.busy * spent.scenes / lanes;
+  time.pictures = spent.busy * spent.pictures / lanes;
   time.idle = spent.idle;
+  // Nothing was under way, although somebody gained. What a device that has work loses between two
+  // quanta shows in rate_shared only.
+  time.switching = std::max(seconds - spent.busy - spent.idle, 0.0);
   time.quanta = spent.quanta;
   return TraceRun{score(scores, time, trace.seconds), time};
 }

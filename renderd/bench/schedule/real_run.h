@@ -28,4 +28,10 @@ Result<DeviceModel> measure_costs(const Stage& stage, double scale);
 Result<TraceRun> run_real(const Trace& trace, const Stage& stage, const DeviceModel& model,
                           std::unique_ptr<Policy> policy);
 
+/// Samples of a 512 x 512 picture a second, of one renderer alone in long quanta.
+Result<double> rate_alone(const Stage& stage, double scale, double seconds);
+/// The same, of all of some resting sessions together, by the runner: with its decisions, error
+/// estimates and pictures. What is missing to rate_alone is lost to switching.
+Result<double> rate_shared(const Stage& stage, double scale, std::size_t sessions, double seconds);
+
 }  // namespace diaphane::render::bench

@@ -166,6 +166,11 @@ Result<ScheduleReport> ScheduleCommand::measure() const {
     }
   }
   if (o.fleet_sessions > 0 && !o.real) measure_fleet(report);
+  if (o.real) {
+    if (const auto measured = measure_sharing(*device.stage, report); !measured) {
+      return tl::unexpected(measured.error());
+    }
+  }
   for (const std::string& name : o.policies) {
     report.decisions.push_back(measure_decision(*policy_kind(name), 256, 5));
   }
@@ -192,6 +197,22 @@ Result<Trace> ScheduleCommand::trace_of(const std::string& kind, std::size_t ses
     }
   }
   return trace;
+}
+
+Result<void> ScheduleCommand::measure_sharing(const Stage& stage, ScheduleReport& report) const {
+  const double seconds = std::min(2.0, options_->seconds / 4);
+  for (const std::size_t sessions : {1, 16}) {
+    SharingRow row{sessions, {}};
+    for (unsigned i = 0; i < options_->seeds; ++i) {
+      const auto alone = rate_alone(stage, options_->scale, seconds);
+      if (!alone) return tl::unexpected(alone.error());
+      const auto shared = rate_shared(stage, options_->scale, sessions, seconds);
+      if (!shared) return tl::unexpected(shared.error());
+      row.lost.push_back(1 - *shared / *alone);
+    }
+    report.sharing.push_back(std::move(row));
+  }
+  return {};
 }
 
 void ScheduleCommand::measure_fleet(ScheduleReport& report) const {

@@ -8,6 +8,8 @@
 
 namespace diaphane::render::bench {
 
+struct Stage;
+
 /// The subcommand `schedule` of diaphane-renderd-bench.
 class ScheduleCommand {
  public:
@@ -23,6 +25,7 @@ class ScheduleCommand {
   Result<void> open(Device& device) const;
   Result<ScheduleReport> measure() const;
   void measure_fleet(ScheduleReport& report) const;
+  Result<void> measure_sharing(const Stage& stage, ScheduleReport& report) const;
   Result<Trace> trace_of(const std::string& kind, std::size_t sessions, unsigned number) const;
 
   std::unique_ptr<Options> options_;

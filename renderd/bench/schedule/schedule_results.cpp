@@ -74,6 +74,8 @@ const std::vector<Column>& schedule_columns() {
       {"Jain", "", 1, &Scores::fairness},
       {"idle", "%", 1e2, &Scores::idle},
       {"switching", "%", 1e2, &Scores::switching},
+      {"rendering", "%", 1e2, &Scores::rendering},
+      {"pictures", "%", 1e2, &Scores::pictures},
       {"frames/s", "1/s", 1, &Scores::frames_per_second},
   };
   return columns;
@@ -113,6 +115,11 @@ std::string schedule_text(const ScheduleReport& report) {
           deviation_of(figures(runs, columns[0])), median_of(figures(runs, columns[1])),
           median_of(figures(runs, columns[7])), row.runs.front().load_deviation,
           row.runs.front().fewest, row.runs.front().most);
+  }
+  if (!report.sharing.empty()) text += '\n';
+  for (const SharingRow& row : report.sharing) {
+    print(text, "%zu resting sessions: %.2f +- %.2f %% of the samples of one alone are lost\n",
+          row.sessions, 100 * median_of(row.lost), 100 * deviation_of(row.lost));
   }
   if (!report.decisions.empty()) text += '\n';
   for (const DecisionTime& each : report.decisions) {
@@ -161,6 +168,7 @@ std::string schedule_json(const ScheduleReport& report) {
             {"costs", Json::parse(device_model_json(report.model))},
             {"rows", Json::array()},
             {"fleet", Json::array()},
+            {"sharing", Json::array()},
             {"decisions", Json::array()}};
   for (const ScheduleRow& row : report.rows) {
     json["rows"].push_back({{"trace", row.trace},
@@ -180,6 +188,11 @@ std::string schedule_json(const ScheduleReport& report) {
                              {"load_deviation", row.runs.front().load_deviation},
                              {"simulated_in_seconds", row.runs.front().seconds},
                              {"figures", json_of(scores_of(row))}});
+  }
+  for (const SharingRow& row : report.sharing) {
+    json["sharing"].push_back({{"sessions", row.sessions},
+                               {"lost", median_of(row.lost)},
+                               {"spread", deviation_of(row.lost)}});
   }
   for (const DecisionTime& each : report.decisions) {
     json["decisions"].push_back({{"policy", policy_name(each.policy)},

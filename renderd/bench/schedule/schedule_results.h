@@ -30,12 +30,19 @@ struct DecisionTime {
   std::vector<double> seconds;  ///< mean of each repetition
 };
 
+/// What a device makes for resting sessions, of what it makes for one alone in long quanta.
+struct SharingRow {
+  std::size_t sessions = 0;
+  std::vector<double> lost;  ///< share, of each repetition
+};
+
 struct ScheduleReport {
   std::string how;  ///< "simulated" or "real"
   std::string device;
   double seconds = 0;  ///< of a trace
   std::vector<ScheduleRow> rows;
   std::vector<FleetRow> fleet;
+  std::vector<SharingRow> sharing;
   std::vector<DecisionTime> decisions;
   DeviceModel model;
 };

@@ -105,6 +105,8 @@ Scores score(const std::vector<SessionScore>& sessions, const DeviceTime& time, 
   const double busy = time.rendering + time.scenes + time.pictures + time.switching;
   scores.idle = time.idle / std::max(busy + time.idle, 1e-9);
   scores.switching = time.switching / std::max(busy, 1e-9);
+  scores.rendering = time.rendering / std::max(busy, 1e-9);
+  scores.pictures = time.pictures / std::max(busy, 1e-9);
   return scores;
 }
 

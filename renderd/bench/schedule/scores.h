@@ -70,12 +70,13 @@ struct Scores {
   double to_good_mean = 0, to_good_p95 = 0;                     ///< seconds
   double first_p50 = 0, first_p95 = 0, first_p99 = 0;           ///< seconds
   double queueing_p50 = 0, queueing_p95 = 0, queueing_p99 = 0;  ///< seconds
-  double reached = 0;            ///< share of the pictures waited for that became good in time
-  double fairness = 0;           ///< Jain's index of the sessions' speeds
-  double idle = 0;               ///< share of the time
-  double switching = 0;          ///< share of the time that was not idle
-  double frames_per_second = 0;  ///< of all sessions
-  std::size_t inputs = 0;        ///< pictures waited for
+  double reached = 0;    ///< share of the pictures waited for that became good in time
+  double fairness = 0;   ///< Jain's index of the sessions' speeds
+  double idle = 0;       ///< share of the time
+  double switching = 0;  ///< share of the time that was not idle
+  double rendering = 0, pictures = 0;  ///< as that
+  double frames_per_second = 0;        ///< of all sessions
+  std::size_t inputs = 0;              ///< pictures waited for
 };
 
 Scores score(const std::vector<SessionScore>& sessions, const DeviceTime& time, double seconds);

@@ -7,13 +7,15 @@
 #include "renderd/bench/schedule/device_model.h"
 #include "renderd/bench/schedule/scores.h"
 #include "renderd/bench/schedule/trace.h"
+#include "renderd/schedule/in_flight.h"
 #include "renderd/schedule/policy.h"
 
 namespace diaphane::render::bench {
 
-/// A device without a device: the same policy, ledger, canvas and emission rules as the runner's,
-/// on a clock that only moves when something is rendered. A session's error is noise / sqrt(n);
-/// what things cost is the model's. Events come in order of time.
+/// A device without a device: the same policy, ledger, canvas, emission and room rules as the
+/// runner's, on a clock that moves from one end of something to the next. A session's error is
+/// noise / sqrt(n); what things cost is the model's. Quanta under way share the device by their
+/// fill; what the host does for one goes on beside the others. Events come in order of time.
 class SimulatedDevice {
  public:
   SimulatedDevice(const DeviceModel& model, std::unique_ptr<Policy> policy, LedgerRules rules);
@@ -21,7 +23,7 @@ class SimulatedDevice {
 
   /// What happens to one of its sessions; `session` is the index in the trace.
   void happen(const TraceEvent& event, const TraceSession& session, SessionScore& score);
-  /// Renders until `seconds`; what is under way then is finished.
+  /// Renders until `seconds`; what is under way then stays so.
   void run_until(double seconds);
 
   const DeviceTime& time() const { return time_; }
@@ -33,12 +35,20 @@ class SimulatedDevice {
  private:
   struct Session;
   struct Turn;
+  using SessionPtr = std::shared_ptr<Session>;
 
   void deliver();
-  void emit(Session& session);
-  bool step();
-  void carry_out(const std::vector<Quantum>& round);
+  void input(Session& session, const TraceEvent& event);
+  void fill();
+  void begin(const SessionPtr& session, std::uint32_t samples);
+  void begin_picture(Turn& turn);
+  bool due(Session& session) const;
+  void advance(double until);
+  void pass(double seconds, double rate);
+  void next_phase(Turn& turn);
+  void rendered(Turn& turn);
   double next_event() const;
+  double next_rest() const;
   Ledger::Time time_point(double seconds) const;
 
   DeviceModel model_;
@@ -46,7 +56,9 @@ class SimulatedDevice {
   LedgerRules rules_;
   DeviceCosts costs_;
   double now_ = 0;
-  std::vector<std::unique_ptr<Session>> sessions_;
+  std::vector<SessionPtr> sessions_;
+  std::vector<Turn> turns_;
+  InFlight in_flight_;
   struct Coming {
     TraceEvent event;
     const TraceSession* session;
