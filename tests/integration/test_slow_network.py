@@ -1,0 +1,121 @@
+"""The stream through a slow network (tests/slow_network.py): what a viewer far away sees, and what it costs the others."""
+
+from __future__ import annotations
+
+import statistics
+import threading
+import time
+from dataclasses import dataclass, field
+
+import pytest
+
+from api_client import Person
+from harness import StackHouse, TestStack
+from slow_network import SlowNetwork
+from stream_help import Viewer, open_session, store_ball
+
+ROUND_TRIP_S = 0.1
+BITS_PER_S = 2e6
+BUFFER = 32 << 10
+SIDE = 480
+INPUTS_PER_S = 20
+
+
+@pytest.fixture(scope="module")
+def stack(stack_house: StackHouse):
+    running = stack_house.open(only=("postgres", "redis", "api", "renderd", "edge"))
+    yield running
+    stack_house.shut(running)
+
+
+@dataclass
+class Drag:
+    """What a viewer saw who turned the picture for a while."""
+
+    sent: dict[int, float] = field(default_factory=dict)
+    ages: list[float] = field(default_factory=list)  # of each frame: since the input that it shows was sent
+    answers: list[float] = field(default_factory=list)  # of each input: until a frame showed it or a newer one
+    largest: int = 0
+    bytes: int = 0
+
+
+def drag(viewer: Viewer, seconds: float) -> Drag:
+    """Turns at a hand's pace while the frames come; ends with the frame of the last input."""
+    seen = Drag()
+    unanswered: list[int] = []
+    end = time.monotonic() + seconds
+    next_turn = time.monotonic()
+    while time.monotonic() < end or unanswered:
+        now = time.monotonic()
+        if now >= next_turn and now < end:
+            number = viewer.turn(3.0)
+            seen.sent[number] = now
+            unanswered.append(number)
+            next_turn += 1 / INPUTS_PER_S
+        try:
+            message = viewer.receive(max(0.001, min(next_turn, end + 20) - time.monotonic()) if now < end else 20)
+        except TimeoutError:
+            assert now < end, "the last input was not answered"
+            continue
+        if message.WhichOneof("body") != "frame" or message.frame.input_seq not in seen.sent:
+            continue
+        now, frame = time.monotonic(), message.frame
+        seen.ages.append(now - seen.sent[frame.input_seq])
+        seen.answers += [now - seen.sent[number] for number in unanswered if number <= frame.input_seq]
+        unanswered = [number for number in unanswered if number > frame.input_seq]
+        seen.largest = max(seen.largest, len(frame.data))
+        seen.bytes += len(frame.data)
+    return seen
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.02])
+def test_far_away_the_picture_follows_and_its_lag_never_grows(stack: TestStack, loss: float):
+    person = Person(stack).sign_up().sign_in()
+    session, url = open_session(person, store_ball(stack, person))
+    with SlowNetwork(stack.ports["edge"], ROUND_TRIP_S, BITS_PER_S, BUFFER, loss) as network:
+        viewer = Viewer(stack.url, url, side=SIDE, port=network.port)
+        viewer.frame()
+        seen = drag(viewer, 6)
+        viewer.leave()
+    print(f"{len(seen.sent)} inputs, {len(seen.ages)} frames, the largest {seen.largest} bytes; "
+          f"p50 {1e3 * statistics.median(seen.answers):.0f} ms, p95 {1e3 * statistics.quantiles(seen.answers, n=20)[-1]:.0f} ms")
+
+    # At most two frames are under way; an input that comes when both have just left waits for them, then for its own. A loss
+    # costs a round trip each. The rest is the machine's own: rendering beside other tests on few cores.
+    frame_s = 8 * seen.largest / BITS_PER_S
+    bound = 2 * ROUND_TRIP_S + 3 * frame_s + (4 * ROUND_TRIP_S if loss else 0) + 0.5
+    assert statistics.quantiles(seen.answers, n=20)[-1] <= bound
+    third = len(seen.ages) // 3
+    first, last = statistics.mean(seen.ages[:third]), statistics.mean(seen.ages[-third:])
+    assert last <= 1.5 * first + 0.1, (first, last)
+
+
+def test_a_slow_viewer_never_slows_another(stack: TestStack):
+    """By counting: had the one to wait for the other, it would see no more frames than that one takes."""
+    person = Person(stack).sign_up().sign_in()
+    data_set = store_ball(stack, person)
+    (_, far_url), (_, near_url) = open_session(person, data_set), open_session(person, data_set)
+    with SlowNetwork(stack.ports["edge"], ROUND_TRIP_S, 16e3, 16 << 10) as network:
+        far = Viewer(stack.url, far_url, side=SIDE, port=network.port)
+        near = Viewer(stack.url, near_url, side=96)
+        far_frames, done = [], threading.Event()
+
+        def look_from_afar() -> None:
+            while not done.is_set():
+                try:
+                    far_frames.append(far.frame(timeout=0.5).seq)
+                    far.turn(3.0)
+                except (AssertionError, TimeoutError):
+                    pass
+
+        thread = threading.Thread(target=look_from_afar)
+        thread.start()
+        for _ in range(30):
+            number = near.turn(3.0)
+            near.frame(condition=lambda frame, number=number: frame.input_seq >= number)
+        taken = len(far_frames)
+        done.set()
+        thread.join()
+        near.leave()
+        far.leave()
+    assert 30 > 3 * (taken + 2)  # two more may be under way
