@@ -61,11 +61,11 @@ class CpuDenoiser {
   void read_row(std::uint32_t y) {
     for (std::uint32_t x = 0; x < width_; ++x) {
       const std::size_t i = at(x, y);
-      const PixelEstimate e = estimate_of(input_.film, i, input_.samples);
+      const PixelEstimate e = estimate_of(input_.film, i, input_.samples_of(y));
       const Smoothed m = to_be_smoothed(e, 1.0f / input_.white);
       const Guides g = unpack(input_.guides[i]);
       const Steering s =
-          unpack(pack(steering_of(g, takes_part(input_.film, i, input_.samples, g))));
+          unpack(pack(steering_of(g, takes_part(input_.film, i, input_.samples_of(y), g))));
       const float smooth[] = {m.mean.x, m.mean.y, m.mean.z, m.deviation};
       for (std::size_t c = 0; c < 4; ++c) raw_[c][i] = smooth[c];
       const float steer[] = {s.takes_part, s.opacity,  s.depth,    0.0f,       s.albedo.x,
@@ -182,7 +182,7 @@ class CpuDenoiser {
     const GainsView gains{gains_.data(), tiles_x_, tiles_y_};
     for (std::uint32_t x = 0; x < width_; ++x) {
       const std::size_t i = at(x, y);
-      const Float3 raw = estimate_of(input_.film, i, input_.samples).mean;
+      const Float3 raw = estimate_of(input_.film, i, input_.samples_of(y)).mean;
       const Float3 shown = steering_[0][i] > 0
                                ? blended(raw, smoothed_at(from_, i).mean * input_.white,
                                          input_.fade * share_of_filtered(gain_around(gains, x, y)))

@@ -7,6 +7,7 @@
 #include "renderd/film/canvas.h"
 #include "renderd/film/film.h"
 #include "renderd/film/guides.h"
+#include "renderd/film/part.h"
 
 namespace diaphane::render {
 
@@ -19,6 +20,12 @@ struct DenoiseInput {
   float white;            ///< of the picture (film/error.h)
   float voxel;            ///< mm
   float fade = 1;         ///< denoiser_fade(), > 0
+  /// For each kShareRows rows, where they differ.
+  const std::uint64_t* by_stripe = nullptr;
+
+  std::uint64_t samples_of(std::uint32_t row) const {
+    return by_stripe == nullptr ? samples : by_stripe[row / kShareRows];
+  }
 };
 
 /// The picture's radiance, three a pixel, smoothed (film/denoise.h). The same bits whatever the

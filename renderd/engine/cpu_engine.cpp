@@ -79,6 +79,7 @@ class CpuFrameRenderer final : public FrameRenderer {
       const Float3 s = prepared->spacing;
       CpuFilm film(*pool_, canvas, guided_, std::max({s.x, s.y, s.z}));
       picture_ = std::make_unique<Picture>(scene, *std::move(prepared), std::move(film));
+      share_ = {};
     } catch (const std::bad_alloc&) {
       return fail(ErrorCode::kOutOfMemory, "no memory for a picture of this size", "canvas");
     }
@@ -122,6 +123,23 @@ class CpuFrameRenderer final : public FrameRenderer {
   }
 
   void prepare_denoising(bool wanted) override { guided_ = wanted; }
+
+  Result<void> set_share(const Share& share) override {
+    if (!picture_) return no_scene();
+    if (auto done = picture_->film.set_share(share); !done) return done;
+    share_ = share;
+    return {};
+  }
+
+  Result<bool> take_film(FilmPart& out) override {
+    if (!picture_) return no_scene();
+    return picture_->film.take(out);
+  }
+
+  Result<void> merge_film(const FilmPart& part) override {
+    if (!picture_) return no_scene();
+    return picture_->film.merge(part);
+  }
 
   Result<bool> display_denoised(PictureRgb8& out) override {
     if (!picture_) return no_scene();
@@ -172,8 +190,10 @@ class CpuFrameRenderer final : public FrameRenderer {
   bool one_sample(const std::function<bool()>& stop) {
     const PreparedScene& s = picture_->prepared;
     const PreparedTransfer& t = *s.transfer;
-    CpuScene view = view_of(s, volume_->view(), t.extinction.data(), t.colour.data(),
-                            t.bounds.data(), LightArrays(s), seed_, first_sample_, method_);
+    CpuScene view =
+        view_of(s, volume_->view(), t.extinction.data(), t.colour.data(), t.bounds.data(),
+                LightArrays(s), seed_, first_sample_ + share_.sequence * kSequenceSamples, method_);
+    view.numbers = {share_.part, share_.parts};
     if (s.features.has(Feature::kGloss)) view.transfer.gloss = t.gloss.data();
     if (s.features.has(Feature::kEmission)) view.transfer.emission = t.emission.data();
     const ExactTables& e = t.exact;
@@ -184,15 +204,18 @@ class CpuFrameRenderer final : public FrameRenderer {
                                         use_exact_walk(s, method_));
     const Canvas size = s.canvas;
     const std::uint32_t tiles_x = (size.width + kWorkTile - 1) / kWorkTile;
-    const std::uint32_t tiles_y = (size.height + kWorkTile - 1) / kWorkTile;
-    const std::uint64_t sample = picture_->film.count();
+    const std::uint32_t first_row = picture_->film.first_row();
+    const std::uint32_t last_row = picture_->film.last_row();
+    const std::uint32_t tiles_y = (last_row - first_row + kWorkTile - 1) / kWorkTile;
+    const std::uint64_t sample = picture_->film.drawn();
     Sample* samples = picture_->film.samples();
     return pool_->run(
         tiles_x * tiles_y,
         [&](std::uint32_t tile) {
-          const std::uint32_t x = tile % tiles_x * kWorkTile, y = tile / tiles_x * kWorkTile;
+          const std::uint32_t x = tile % tiles_x * kWorkTile;
+          const std::uint32_t y = first_row + tile / tiles_x * kWorkTile;
           kernel(view, CpuTile{x, y, std::min(x + kWorkTile, size.width),
-                               std::min(y + kWorkTile, size.height), sample, samples, guides});
+                               std::min(y + kWorkTile, last_row), sample, samples, guides});
         },
         stop);
   }
@@ -203,6 +226,7 @@ class CpuFrameRenderer final : public FrameRenderer {
   std::uint64_t first_sample_;
   Method method_;
   bool guided_ = false;
+  Share share_;
   std::unique_ptr<Picture> picture_;
 };
 

@@ -19,6 +19,7 @@ std::size_t pixels_of(Canvas size) { return std::size_t{size.width} * size.heigh
 CpuFilm::CpuFilm(ThreadPool& pool, Canvas size, bool guided, float voxel)
     : pool_(pool),
       size_(size),
+      last_row_(size.height),
       samples_(pixels_of(size)),
       sum_(3 * pixels_of(size)),
       difference_(3 * pixels_of(size)),
@@ -27,35 +28,120 @@ CpuFilm::CpuFilm(ThreadPool& pool, Canvas size, bool guided, float voxel)
       guides_(guided ? pixels_of(size) : 0),
       voxel_(voxel) {}
 
+void CpuFilm::recount() {
+  error_.reset();
+  by_stripe_.clear();
+  count_ = own();
+  const bool whole = first_row_ == 0 && last_row_ == size_.height;
+  if (merged_.empty() && whole) return;
+  by_stripe_ = merged_;
+  by_stripe_.resize((size_.height + kShareRows - 1) / kShareRows, 0);
+  for (std::uint32_t row = first_row_; row < last_row_; row += kShareRows) {
+    by_stripe_[row / kShareRows] += own();
+  }
+  const auto [least, most] = std::minmax_element(by_stripe_.begin(), by_stripe_.end());
+  count_ = *least;
+  if (*least == *most) by_stripe_.clear();
+}
+
+Result<void> CpuFilm::set_share(const Share& share) {
+  const std::uint32_t last = std::min(share.last_row, size_.height);
+  if (share.first_row % kShareRows != 0 || share.first_row >= last ||
+      (last % kShareRows != 0 && last != size_.height)) {
+    return fail(ErrorCode::kInvalid, "a share begins and ends between units of rows", "share");
+  }
+  if (own() % 2 != 0) return fail(ErrorCode::kConflict, "half a pair of samples is drawn");
+  if (own() > 0) {
+    merged_.resize((size_.height + kShareRows - 1) / kShareRows, 0);
+    for (std::uint32_t row = first_row_; row < last_row_; row += kShareRows) {
+      merged_[row / kShareRows] += own();
+    }
+  }
+  // Guides are of the share's first samples.
+  if (drawn_ > 0) guide_samples_ = {};
+  first_row_ = share.first_row;
+  last_row_ = last;
+  drawn_ = taken_ = 0;
+  recount();
+  return {};
+}
+
+bool CpuFilm::take(FilmPart& out) {
+  if (own() == 0 || own() % 2 != 0) return false;
+  out.width = size_.width;
+  out.first_row = first_row_;
+  out.rows = last_row_ - first_row_;
+  out.samples = own();
+  out.pixels.resize(std::size_t{out.width} * out.rows);
+  pool_.run(out.rows, [&](std::uint32_t y) {
+    const std::uint64_t first = std::uint64_t{size_.width} * (first_row_ + y);
+    for (std::uint64_t x = 0; x < size_.width; ++x) {
+      out.pixels[x + std::size_t{size_.width} * y] = pack_pixel(view(), first + x, out.samples);
+      for (std::uint64_t i = 3 * (first + x); i < 3 * (first + x) + 3; ++i) {
+        sum_[i] = 0;
+        difference_[i] = 0;
+      }
+      state_[first + x] = 0;
+    }
+  });
+  taken_ = drawn_;
+  recount();
+  return true;
+}
+
+Result<void> CpuFilm::merge(const FilmPart& part) {
+  const std::uint32_t last = part.first_row + part.rows;
+  if (part.width != size_.width || part.first_row % kShareRows != 0 || part.rows == 0 ||
+      part.rows > size_.height || last > size_.height ||
+      (last % kShareRows != 0 && last != size_.height) || part.samples % 2 != 0 ||
+      part.pixels.size() != std::size_t{part.width} * part.rows) {
+    return fail(ErrorCode::kInvalid, "this part is of another picture", "part");
+  }
+  const FilmView film{sum_.data(), difference_.data(), state_.data()};
+  pool_.run(part.rows, [&](std::uint32_t y) {
+    const std::uint64_t first = std::uint64_t{size_.width} * (part.first_row + y);
+    for (std::uint64_t x = 0; x < size_.width; ++x) {
+      merge_pixel(film, first + x, part.pixels[x + std::size_t{size_.width} * y], part.samples);
+    }
+  });
+  merged_.resize((size_.height + kShareRows - 1) / kShareRows, 0);
+  for (std::uint32_t row = part.first_row; row < last; row += kShareRows) {
+    merged_[row / kShareRows] += part.samples;
+  }
+  recount();
+  return {};
+}
+
 std::uint64_t CpuFilm::fold() {
   const FilmView film{sum_.data(), difference_.data(), state_.data()};
   std::atomic<std::uint64_t> dropped{0};
-  pool_.run(size_.height, [&](std::uint32_t y) {
+  pool_.run(last_row_ - first_row_, [&](std::uint32_t y) {
     std::uint64_t dropped_here = 0;
-    const std::uint64_t first = std::uint64_t{size_.width} * y;
+    const std::uint64_t first = std::uint64_t{size_.width} * (first_row_ + y);
     for (std::uint64_t pixel = first; pixel < first + size_.width; ++pixel) {
       PixelBatch batch;
       const Sample& sample = samples_[pixel];
-      batch.add(sample.radiance, sample.met_matter, count_, sample.shows_slice);
+      batch.add(sample.radiance, sample.met_matter, drawn_, sample.shows_slice);
       dropped_here += batch.dropped_even + batch.dropped_odd;
       render::fold(film, pixel, batch);
     }
     if (dropped_here != 0) dropped += dropped_here;
   });
   if (!guide_samples_.empty()) fold_guides();
-  ++count_;
+  ++drawn_;
+  recount();
   return dropped;
 }
 
 void CpuFilm::fold_guides() {
-  pool_.run(size_.height, [&](std::uint32_t y) {
-    const std::uint64_t first = std::uint64_t{size_.width} * y;
+  pool_.run(last_row_ - first_row_, [&](std::uint32_t y) {
+    const std::uint64_t first = std::uint64_t{size_.width} * (first_row_ + y);
     for (std::uint64_t pixel = first; pixel < first + size_.width; ++pixel) {
-      guides_[pixel] = with_samples(guides_[pixel], static_cast<std::uint32_t>(count_),
+      guides_[pixel] = with_samples(guides_[pixel], static_cast<std::uint32_t>(drawn_),
                                     guide_samples_[pixel], 1);
     }
   });
-  if (count_ + 1 >= kGuidedSamples) guide_samples_ = {};
+  if (drawn_ + 1 >= kGuidedSamples) guide_samples_ = {};
 }
 
 std::vector<float> CpuFilm::denoised() {
@@ -66,7 +152,8 @@ std::vector<float> CpuFilm::denoised() {
     guide_samples_ = {};
     return {};
   }
-  return denoise(pool_, {view(), guides_.data(), size_, count_, white(), voxel_, fade});
+  return denoise(pool_, {view(), guides_.data(), size_, count_, white(), voxel_, fade,
+                         by_stripe_.empty() ? nullptr : by_stripe_.data()});
 }
 
 bool CpuFilm::display_denoised(float scale, PictureRgb8& out) {
@@ -100,13 +187,12 @@ bool CpuFilm::radiance_denoised(PictureRgbF& out) {
 float CpuFilm::white() const {
   WhiteHistogram total;
   std::mutex mutex;
-  constexpr std::uint32_t kRows = 32;
-  pool_.run((size_.height + kRows - 1) / kRows, [&](std::uint32_t block) {
+  pool_.run((size_.height + kShareRows - 1) / kShareRows, [&](std::uint32_t stripe) {
     WhiteHistogram part;
-    const std::uint64_t first = std::uint64_t{size_.width} * kRows * block;
+    const std::uint64_t first = std::uint64_t{size_.width} * kShareRows * stripe;
     const std::uint64_t last =
-        std::min(first + std::uint64_t{size_.width} * kRows, std::uint64_t{pixels_of(size_)});
-    count_white(view(), first, last, count_, part);
+        std::min(first + std::uint64_t{size_.width} * kShareRows, std::uint64_t{pixels_of(size_)});
+    count_white(view(), first, last, samples_of(kShareRows * stripe), part);
     std::lock_guard lock(mutex);
     for (std::uint32_t i = 0; i < kWhiteCounts; ++i) total.counts[i] += part.counts[i];
   });
@@ -114,20 +200,21 @@ float CpuFilm::white() const {
 }
 
 double CpuFilm::error() const {
+  static_assert(kTileSize == kShareRows);
   if (count_ < 2) return std::numeric_limits<double>::infinity();
-  if (error_of_ == count_) return error_;
+  if (error_) return *error_;
   const float white_value = white();
   const std::uint32_t tiles_x = (size_.width + kTileSize - 1) / kTileSize;
   const std::uint32_t tiles_y = (size_.height + kTileSize - 1) / kTileSize;
   std::vector<TileError> tiles(std::size_t{tiles_x} * tiles_y);
   pool_.run(tiles_y, [&](std::uint32_t y) {
     for (std::uint32_t x = 0; x < tiles_x; ++x) {
-      tiles[x + std::size_t{tiles_x} * y] = tile_error(view(), size_, x, y, count_, white_value);
+      tiles[x + std::size_t{tiles_x} * y] =
+          tile_error(view(), size_, x, y, samples_of(kTileSize * y), white_value);
     }
   });
   error_ = total_error(tiles, count_);
-  error_of_ = count_;
-  return error_;
+  return *error_;
 }
 
 void CpuFilm::display(float scale, PictureRgb8& out) const {
@@ -136,7 +223,7 @@ void CpuFilm::display(float scale, PictureRgb8& out) const {
   pool_.run(size_.height, [&](std::uint32_t y) {
     const std::uint64_t first = std::uint64_t{size_.width} * y;
     for (std::uint64_t pixel = first; pixel < first + size_.width; ++pixel) {
-      const Float3 mean = estimate_of(view(), pixel, count_).mean;
+      const Float3 mean = estimate_of(view(), pixel, samples_of(y)).mean;
       out.pixels[3 * pixel] = to_display(mean.x, scale);
       out.pixels[3 * pixel + 1] = to_display(mean.y, scale);
       out.pixels[3 * pixel + 2] = to_display(mean.z, scale);
@@ -148,7 +235,8 @@ void CpuFilm::radiance(PictureRgbF& out) const {
   out.size = size_;
   out.pixels.resize(3 * pixels_of(size_));
   for (std::uint64_t pixel = 0; pixel < pixels_of(size_); ++pixel) {
-    const Float3 mean = estimate_of(view(), pixel, count_).mean;
+    const auto row = static_cast<std::uint32_t>(pixel / size_.width);
+    const Float3 mean = estimate_of(view(), pixel, samples_of(row)).mean;
     out.pixels[3 * pixel] = mean.x;
     out.pixels[3 * pixel + 1] = mean.y;
     out.pixels[3 * pixel + 2] = mean.z;

@@ -13,6 +13,7 @@
 #include "common/result.h"
 #include "renderd/engine/kernel_report.h"
 #include "renderd/film/canvas.h"
+#include "renderd/film/part.h"
 #include "renderd/kernel/method.h"
 #include "volume/volume.h"
 
@@ -95,10 +96,30 @@ class FrameRenderer {
   virtual Result<bool> radiance_denoised(PictureRgbF& out) {
     return radiance(out).map([] { return false; });
   }
+  // Of several devices that make one picture (renderd/composite); kUnsupported where an engine
+  // cannot take part.
+
+  /// What is rendered of this scene from the next sample on; what the film holds stays, and its
+  /// progress counts the samples of the pixels that have the fewest. A new scene begins with the
+  /// whole. kConflict unless the rows of the share before have one even number of samples of their
+  /// own: a whole batch makes it so.
+  virtual Result<void> set_share(const Share&) { return no_shares(); }
+  /// Moves what was drawn since the last time out of the film, for another to merge; false, and
+  /// nothing is moved, when it is nothing, an odd number of samples or, after a batch that was
+  /// stopped, not the same everywhere.
+  virtual Result<bool> take_film(FilmPart&) { return no_shares(); }
+  /// Adds what another device drew of this scene and canvas. kInvalid: it does not fit in.
+  virtual Result<void> merge_film(const FilmPart&) { return no_shares(); }
+
   /// Names of the features compiled in for this scene, for reports.
   virtual std::vector<std::string> features() const = 0;
   /// Of the picture as it is now; after set_scene.
   virtual KernelReport report() const { return {}; }
+
+ private:
+  static tl::unexpected<Error> no_shares() {
+    return fail(ErrorCode::kUnsupported, "this device renders whole pictures only");
+  }
 };
 
 /// One device. Thread-safe.

@@ -129,8 +129,9 @@ template <Features F, typename Volume>
 HOST_DEVICE SampleOf<F> estimate(const SceneView<Volume>& scene, std::uint32_t x, std::uint32_t y,
                                  std::uint64_t sample) {
   const std::uint32_t pixel = x + scene.width * y;
-  Random random(scene.seed, pixel, scene.first_sample + sample);
-  const Points points(scene.stream, pixel, sample);
+  const std::uint64_t number = scene.numbers.of(sample);
+  Random random(scene.seed, pixel, scene.first_sample + number);
+  const Points points(scene.stream, pixel, number);
   const auto pair = [&](Points::Use use) {
     return scene.independent_points ? random.two() : points.pair(use);
   };

@@ -14,8 +14,8 @@ struct CameraSample {
 
   HOST_DEVICE CameraSample(const SceneView<Volume>& scene, std::uint32_t x, std::uint32_t y,
                            std::uint64_t sample)
-      : points(scene.stream, x + scene.width * y, sample),
-        random(scene.seed, x + scene.width * y, scene.first_sample + sample) {
+      : points(scene.stream, x + scene.width * y, scene.numbers.of(sample)),
+        random(scene.seed, x + scene.width * y, scene.first_sample + scene.numbers.of(sample)) {
     const auto pair = [&](Points::Use use) {
       return scene.independent_points ? random.two() : points.pair(use);
     };

@@ -232,6 +232,18 @@ struct SlicesView {
   float white;           ///< radiance that the display shows as white: 1 over 2^exposure
 };
 
+/// Which numbers of the random sequence the film's samples have. Of several devices that average
+/// one picture, device `part` of `parts` takes every parts-th pair: together they draw what one
+/// device would, and keep what its points are spread evenly for. Pairs, since the two samples of
+/// one belong to the two halves.
+struct SampleNumbers {
+  std::uint32_t part = 0, parts = 1;
+
+  HOST_DEVICE std::uint64_t of(std::uint64_t sample) const {
+    return 2 * ((sample >> 1) * parts + part) + (sample & 1);
+  }
+};
+
 /// All that one sample of one pixel depends on. `Volume` has the members of LinearVolume.
 template <typename Volume>
 struct SceneView {
@@ -259,6 +271,7 @@ struct SceneView {
   bool independent_points;     ///< take none of those, for comparison (Method::low_discrepancy)
   Mis mis;
   Walk walk;
+  SampleNumbers numbers;
 };
 
 }  // namespace diaphane::render

@@ -149,7 +149,8 @@ SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, cons
                            // A variant with more features than the scene needs must not share light
                            // with directions of the scattering for which no samples are taken.
                            .mis = mixes(scene) ? method.mis : Mis::kLight,
-                           .walk = method.walk};
+                           .walk = method.walk,
+                           .numbers = {}};
 }
 
 }  // namespace diaphane::render
