@@ -46,8 +46,7 @@ void CpuFilm::recount() {
 
 Result<void> CpuFilm::set_share(const Share& share) {
   const std::uint32_t last = std::min(share.last_row, size_.height);
-  if (share.first_row % kShareRows != 0 || share.first_row >= last ||
-      (last % kShareRows != 0 && last != size_.height)) {
+  if (!is_band(share.first_row, last, size_.height)) {
     return fail(ErrorCode::kInvalid, "a share begins and ends between units of rows", "share");
   }
   if (own() % 2 != 0) return fail(ErrorCode::kConflict, "half a pair of samples is drawn");
@@ -90,11 +89,7 @@ bool CpuFilm::take(FilmPart& out) {
 }
 
 Result<void> CpuFilm::merge(const FilmPart& part) {
-  const std::uint32_t last = part.first_row + part.rows;
-  if (part.width != size_.width || part.first_row % kShareRows != 0 || part.rows == 0 ||
-      part.rows > size_.height || last > size_.height ||
-      (last % kShareRows != 0 && last != size_.height) || part.samples % 2 != 0 ||
-      part.pixels.size() != std::size_t{part.width} * part.rows) {
+  if (!fits(part, size_)) {
     return fail(ErrorCode::kInvalid, "this part is of another picture", "part");
   }
   const FilmView film{sum_.data(), difference_.data(), state_.data()};
@@ -105,7 +100,7 @@ Result<void> CpuFilm::merge(const FilmPart& part) {
     }
   });
   merged_.resize((size_.height + kShareRows - 1) / kShareRows, 0);
-  for (std::uint32_t row = part.first_row; row < last; row += kShareRows) {
+  for (std::uint32_t row = part.first_row; row < part.first_row + part.rows; row += kShareRows) {
     merged_[row / kShareRows] += part.samples;
   }
   recount();

@@ -242,5 +242,46 @@ TEST(CudaError, SaysWhatACallerCanDo) {
   EXPECT_EQ(error_of(cudaErrorLaunchFailure).code, ErrorCode::kDeviceLost);
 }
 
+/// As share_test.cpp says of the CPU: parts of one sequence and bands of rows, taken from one film
+/// and merged into another, are the picture of one device.
+TEST_F(CudaEngineTest, PartsAndBandsOfOneSequenceAreThePictureOfOneDevice) {
+  const auto alone = rendered(8);
+  for (const bool tiles : {false, true}) {
+    auto merged = renderer(volume_);
+    ASSERT_TRUE(merged->set_scene(full_scene(), kCanvas));
+    auto other = renderer(volume_);
+    ASSERT_TRUE(other->set_scene(full_scene(), kCanvas));
+    if (tiles) {
+      ASSERT_TRUE(merged->set_share({.first_row = 0, .last_row = 32}));
+      ASSERT_TRUE(other->set_share({.first_row = 32}));
+    } else {
+      ASSERT_TRUE(merged->set_share({.part = 0, .parts = 2}));
+      ASSERT_TRUE(other->set_share({.part = 1, .parts = 2}));
+    }
+    const std::uint32_t each = tiles ? 8 : 4;
+    const auto never = [] { return false; };
+    ASSERT_TRUE(merged->render(each, never));
+    for (const std::uint32_t samples : {2u, each - 2}) {
+      ASSERT_TRUE(other->render(samples, never));
+      FilmPart part;
+      const auto taken = other->take_film(part);
+      ASSERT_TRUE(taken && *taken);
+      ASSERT_EQ(part.samples, samples);
+      ASSERT_TRUE(merged->merge_film(part));
+    }
+    ASSERT_EQ(merged->progress().samples, 8u);
+    const auto picture = radiance_of(*merged);
+    ASSERT_EQ(picture.size(), alone.size());
+    for (std::size_t i = 0; i < picture.size(); ++i) {
+      // Rounding of packed means, and of sums in another order.
+      ASSERT_NEAR(picture[i], alone[i], 0x1p-10f * alone[i] + 1e-6f) << tiles << " " << i;
+    }
+    // What was merged stays when another share begins.
+    ASSERT_TRUE(merged->set_share({.sequence = 1}));
+    ASSERT_TRUE(merged->render(2, never));
+    EXPECT_EQ(merged->progress().samples, 10u);
+  }
+}
+
 }  // namespace
 }  // namespace diaphane::render::cuda

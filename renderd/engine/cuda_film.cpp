@@ -31,7 +31,7 @@ std::uint32_t CudaFilm::tile_count() const {
 std::uint64_t CudaFilm::device_bytes() const {
   return sum_.bytes() + difference_.bytes() + state_.bytes() + dropped_.bytes() +
          (guides_.data() == nullptr ? 0 : guides_.bytes()) + by_stripe_.bytes() + counts_.bytes() +
-         tiles_.bytes() + display_.bytes();
+         tiles_.bytes() + display_.bytes() + (packed_.data() == nullptr ? 0 : packed_.bytes());
 }
 
 Result<void> CudaFilm::keep_guides(bool wanted) {
@@ -40,7 +40,10 @@ Result<void> CudaFilm::keep_guides(bool wanted) {
 }
 
 Result<void> CudaFilm::clear(cudaStream_t stream) {
+  first_row_ = 0;
   rows_ = RowCounts(canvas_.height);
+  taken_ = 0;
+  merged_.clear();
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(sum_.data(), 0, sum_.bytes(), stream));
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(difference_.data(), 0, difference_.bytes(), stream));
   DIAPHANE_CUDA_TRY(cudaMemsetAsync(state_.data(), 0, state_.bytes(), stream));
@@ -51,16 +54,90 @@ Result<void> CudaFilm::clear(cudaStream_t stream) {
   return {};
 }
 
+std::uint64_t CudaFilm::samples_of(std::uint32_t row) const {
+  const std::uint64_t merged = merged_.empty() ? 0 : merged_[row / kShareRows];
+  const bool own = row >= first_row_ && row < last_row();
+  return merged + (own ? rows_.of(row - first_row_) - taken_ : 0);
+}
+
+std::uint64_t CudaFilm::samples() const {
+  if (merged_.empty() && rows_.rows() == canvas_.height) return rows_.least() - taken_;
+  std::uint64_t least = samples_of(0);
+  for (std::uint32_t row = 0; row < canvas_.height; row += kStripeRows) {
+    least = smaller(least, samples_of(row));
+  }
+  return least;
+}
+
+void CudaFilm::count_as_merged(std::uint32_t first_row, std::uint32_t last_row,
+                               std::uint64_t samples) {
+  merged_.resize((canvas_.height + kShareRows - 1) / kShareRows, 0);
+  for (std::uint32_t row = first_row; row < last_row; row += kShareRows) {
+    merged_[row / kShareRows] += samples;
+  }
+}
+
+Result<void> CudaFilm::set_share(const Share& share) {
+  const std::uint32_t last = smaller(share.last_row, canvas_.height);
+  if (!is_band(share.first_row, last, canvas_.height)) {
+    return fail(ErrorCode::kInvalid, "a share begins and ends between units of rows", "share");
+  }
+  if (!settled()) return fail(ErrorCode::kConflict, "half a pair of samples is drawn");
+  if (rows_.least() > taken_) {
+    count_as_merged(first_row_, last_row(), rows_.least() - taken_);
+  }
+  first_row_ = share.first_row;
+  rows_ = RowCounts(last - share.first_row);
+  taken_ = 0;
+  return {};
+}
+
+Result<bool> CudaFilm::take(FilmPart& out, cudaStream_t stream) {
+  if (!settled() || rows_.least() == taken_) return false;
+  const std::uint64_t first = std::uint64_t{canvas_.width} * first_row_;
+  const std::uint64_t count = std::uint64_t{canvas_.width} * rows_.rows();
+  DIAPHANE_TRY(ensure(packed_, count));
+  out.width = canvas_.width;
+  out.first_row = first_row_;
+  out.rows = rows_.rows();
+  out.samples = rows_.least() - taken_;
+  out.pixels.resize(count);
+  DIAPHANE_CUDA_TRY(pack_film({sum_.data(), difference_.data(), state_.data()}, first, count,
+                              out.samples, packed_.data(), stream));
+  DIAPHANE_TRY(download(out.pixels.data(), packed_, count, stream));
+  taken_ = rows_.least();
+  return true;
+}
+
+Result<void> CudaFilm::merge(const FilmPart& part, cudaStream_t stream) {
+  if (!fits(part, canvas_)) {
+    return fail(ErrorCode::kInvalid, "this part is of another picture", "part");
+  }
+  const std::uint64_t first = std::uint64_t{canvas_.width} * part.first_row;
+  DIAPHANE_TRY(ensure(packed_, part.pixels.size()));
+  DIAPHANE_TRY(upload(packed_, part.pixels.data(), part.pixels.size(), stream));
+  DIAPHANE_CUDA_TRY(merge_packed(packed_.data(), first, part.pixels.size(), part.samples,
+                                 {sum_.data(), difference_.data(), state_.data()}, stream));
+  // The next part goes through the same memory.
+  DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream));
+  count_as_merged(part.first_row, part.first_row + part.rows, part.samples);
+  return {};
+}
+
 Result<FilmPicture> CudaFilm::picture(cudaStream_t stream) const {
   FilmPicture picture{{sum_.data(), difference_.data(), state_.data()},
                       canvas_.width,
                       canvas_.height,
-                      {rows_.least(), nullptr}};
-  if (rows_.flat()) return picture;
+                      {samples(), nullptr}};
+  const bool whole = merged_.empty() && rows_.rows() == canvas_.height;
+  if (whole && rows_.flat()) return picture;
   std::vector<std::uint64_t> counts;
+  bool differ = false;
   for (std::uint32_t row = 0; row < canvas_.height; row += kStripeRows) {
-    counts.push_back(rows_.of(row));
+    counts.push_back(samples_of(row));
+    differ |= counts.back() != counts.front();
   }
+  if (!differ) return picture;
   DIAPHANE_TRY(ensure(by_stripe_, counts.size()));
   DIAPHANE_TRY(upload(by_stripe_, counts.data(), counts.size(), stream));
   picture.samples.by_stripe = by_stripe_.data();

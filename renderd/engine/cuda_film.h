@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "renderd/engine/cuda_denoise.h"
 #include "renderd/engine/cuda_kernels.h"
@@ -8,6 +9,7 @@
 #include "renderd/engine/cuda_row_counts.h"
 #include "renderd/film/canvas.h"
 #include "renderd/film/error.h"
+#include "renderd/film/part.h"
 
 namespace diaphane::render::cuda {
 
@@ -22,19 +24,28 @@ class CudaFilm {
   Canvas canvas() const { return canvas_; }
   std::uint64_t pixels() const { return std::uint64_t{canvas_.width} * canvas_.height; }
   /// Per pixel: of the rows that have the fewest.
-  std::uint64_t samples() const { return rows_.least(); }
+  std::uint64_t samples() const;
+  /// Since the share began, of those of its rows that have the fewest.
+  std::uint64_t drawn() const { return rows_.least(); }
   bool empty() const { return rows_.least() == 0 && rows_.flat(); }
+  std::uint32_t first_row() const { return first_row_; }
   std::uint64_t device_bytes() const;
 
   /// Whether guides are kept from the next clear() on: 6 bytes a pixel.
   Result<void> keep_guides(bool wanted);
+  /// Also makes the share the whole.
   Result<void> clear(cudaStream_t stream);
+  /// As FrameRenderer::set_share(), take_film() and merge_film(); the last two wait for the stream.
+  Result<void> set_share(const Share& share);
+  Result<bool> take(FilmPart& out, cudaStream_t stream);
+  Result<void> merge(const FilmPart& part, cudaStream_t stream);
   TraceTarget target() const {
     return {{sum_.data(), difference_.data(), state_.data()}, dropped_.data(), guides_.data()};
   }
   /// Null when none are kept.
   const PackedGuides* guides() const { return guides_.data(); }
-  /// What to trace next, and that a launch which does its first `rows` rows is queued.
+  /// What to trace next (rows from first_row() on), and that a launch which does its first `rows`
+  /// rows is queued.
   RowCounts::Piece next(std::uint64_t target, std::uint32_t most) const {
     return rows_.next(target, most);
   }
@@ -63,9 +74,17 @@ class CudaFilm {
   Result<float> white(const FilmPicture& film, cudaStream_t stream) const;
   Result<DenoiseWork> denoise_work(float voxel, float fade, cudaStream_t stream) const;
   std::uint32_t tile_count() const;
+  std::uint32_t last_row() const { return first_row_ + rows_.rows(); }
+  std::uint64_t samples_of(std::uint32_t row) const;
+  void count_as_merged(std::uint32_t first_row, std::uint32_t last_row, std::uint64_t samples);
+  /// The share's rows have one even number of samples.
+  bool settled() const { return rows_.flat() && (rows_.least() - taken_) % 2 == 0; }
 
   Canvas canvas_;
-  RowCounts rows_;
+  std::uint32_t first_row_ = 0;        ///< of the share
+  RowCounts rows_;                     ///< of the share's rows, since it began
+  std::uint64_t taken_ = 0;            ///< of those
+  std::vector<std::uint64_t> merged_;  ///< from elsewhere, for each kShareRows rows; empty: none
   DeviceBuffer<double> sum_;
   DeviceBuffer<float> difference_;
   DeviceBuffer<std::uint32_t> state_;
@@ -76,6 +95,7 @@ class CudaFilm {
   mutable DeviceBuffer<std::uint64_t> counts_;  ///< kWhiteCounts
   mutable DeviceBuffer<TileError> tiles_;
   mutable DeviceBuffer<std::uint8_t> display_;  ///< 3 a pixel
+  DeviceBuffer<PackedPixel> packed_;
 };
 
 }  // namespace diaphane::render::cuda

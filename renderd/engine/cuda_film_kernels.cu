@@ -86,6 +86,25 @@ __global__ void mean_kernel(FilmPicture p, std::uint64_t first, std::uint64_t co
   rgb[3 * i + 2] = mean.z;
 }
 
+__global__ void pack_kernel(FilmView film, std::uint64_t first, std::uint64_t count,
+                            std::uint64_t samples, PackedPixel* out) {
+  const std::uint64_t i = thread_index();
+  if (i >= count) return;
+  const std::uint64_t pixel = first + i;
+  out[i] = pack_pixel({film.sum, film.difference, film.state}, pixel, samples);
+  for (std::uint64_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
+    film.sum[c] = 0;
+    film.difference[c] = 0;
+  }
+  film.state[pixel] = 0;
+}
+
+__global__ void merge_kernel(const PackedPixel* packed, std::uint64_t first, std::uint64_t count,
+                             std::uint64_t samples, FilmView film) {
+  const std::uint64_t i = thread_index();
+  if (i < count) merge_pixel(film, first + i, packed[i], samples);
+}
+
 std::uint64_t pixels_of(const FilmPicture& p) { return std::uint64_t{p.width} * p.height; }
 
 }  // namespace
@@ -115,6 +134,18 @@ cudaError_t display_film(const FilmPicture& picture, float scale, std::uint8_t* 
 cudaError_t mean_of_film(const FilmPicture& picture, std::uint64_t first, std::uint64_t count,
                          float* rgb, cudaStream_t stream) {
   mean_kernel<<<blocks_for(count), kBlock, 0, stream>>>(picture, first, count, rgb);
+  return cudaGetLastError();
+}
+
+cudaError_t pack_film(const FilmView& film, std::uint64_t first, std::uint64_t count,
+                      std::uint64_t samples, PackedPixel* out, cudaStream_t stream) {
+  pack_kernel<<<blocks_for(count), kBlock, 0, stream>>>(film, first, count, samples, out);
+  return cudaGetLastError();
+}
+
+cudaError_t merge_packed(const PackedPixel* packed, std::uint64_t first, std::uint64_t count,
+                         std::uint64_t samples, const FilmView& film, cudaStream_t stream) {
+  merge_kernel<<<blocks_for(count), kBlock, 0, stream>>>(packed, first, count, samples, film);
   return cudaGetLastError();
 }
 

@@ -7,6 +7,7 @@
 #include "renderd/engine/cuda_trace_types.h"
 #include "renderd/film/error.h"
 #include "renderd/film/film.h"
+#include "renderd/film/part.h"
 
 // What the host asks of the device beside tracing (cuda_variants.h): each function queues one
 // kernel on a stream and returns the status of the launch.
@@ -45,5 +46,12 @@ cudaError_t display_film(const FilmPicture& picture, float scale, std::uint8_t* 
 /// Of the pixels [first, first + count).
 cudaError_t mean_of_film(const FilmPicture& picture, std::uint64_t first, std::uint64_t count,
                          float* rgb, cudaStream_t stream);
+
+/// Packs the pixels [first, first + count), of `samples` each, and clears them.
+cudaError_t pack_film(const FilmView& film, std::uint64_t first, std::uint64_t count,
+                      std::uint64_t samples, PackedPixel* out, cudaStream_t stream);
+/// Adds `count` packed pixels of `samples` each to those from `first` on.
+cudaError_t merge_packed(const PackedPixel* packed, std::uint64_t first, std::uint64_t count,
+                         std::uint64_t samples, const FilmView& film, cudaStream_t stream);
 
 }  // namespace diaphane::render::cuda

@@ -109,6 +109,7 @@ LightArrays CudaRenderer::light_arrays() const {
 }
 
 Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas canvas) {
+  use_device();
   auto prepared = prepare_scene(scene, canvas, volume_->header(), volume_->grid(),
                                 film_ ? &prepared_ : nullptr, film_ ? &scene_ : nullptr);
   if (!prepared) return tl::unexpected(prepared.error());
@@ -164,7 +165,30 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   seconds_ = 0;
   dropped_ = 0;
   error_samples_ = 0;
+  share_ = {};
   return {};
+}
+
+Result<void> CudaRenderer::set_share(const Share& share) {
+  if (!film_) return no_scene();
+  DIAPHANE_TRY(film_->set_share(share));
+  share_ = share;
+  error_samples_ = 0;
+  return {};
+}
+
+Result<bool> CudaRenderer::take_film(FilmPart& out) {
+  if (!film_) return no_scene();
+  use_device();
+  error_samples_ = 0;
+  return film_->take(out, stream_.get());
+}
+
+Result<void> CudaRenderer::merge_film(const FilmPart& part) {
+  if (!film_) return no_scene();
+  use_device();
+  error_samples_ = 0;
+  return film_->merge(part, stream_.get());
 }
 
 Result<void> CudaRenderer::note_launch(Flight& flight, std::uint64_t work) {
@@ -210,7 +234,9 @@ Result<void> CudaRenderer::make_exact() {
 SceneView<TextureVolume> CudaRenderer::view() const {
   SceneView<TextureVolume> view =
       view_of(prepared_, volume_->view(), tables_.acceleration.extinction(), tables_.colour.data(),
-              tables_.acceleration.bounds(), light_arrays(), seed_, first_sample_, method_);
+              tables_.acceleration.bounds(), light_arrays(), seed_,
+              first_sample_ + share_.sequence * kSequenceSamples, method_);
+  view.numbers = {share_.part, share_.parts};
   if (prepared_.matter) view.grid.occupied = tables_.acceleration.occupied();
   view.transfer.gloss = tables_.gloss.data();
   view.transfer.emission = tables_.emission.data();
@@ -226,13 +252,13 @@ Result<bool> CudaRenderer::trace_until(std::uint64_t target, const std::function
                                        Flight& flight) {
   const Canvas canvas = film_->canvas();
   const SceneView<TextureVolume> scene = view();
-  while (film_->samples() < target) {
+  while (film_->drawn() < target) {
     if (stop()) return false;
     const RowCounts::Piece piece = film_->next(target, exact_ ? exact_->samples() : kMostSamples);
     std::uint32_t rows = smaller(launch_size_.rows(canvas.width, piece.samples, kStripeRows),
                                  piece.last_row - piece.first_row);
     if (exact_) rows = smaller(rows, exact_->rows(piece.samples));
-    const Stripe stripe{.first_row = piece.first_row,
+    const Stripe stripe{.first_row = film_->first_row() + piece.first_row,
                         .rows = rows,
                         .film_sample = piece.film_sample,
                         .samples = piece.samples,
@@ -252,16 +278,17 @@ Result<bool> CudaRenderer::trace_until(std::uint64_t target, const std::function
 
 Result<Batch> CudaRenderer::render(std::uint32_t samples, const std::function<bool()>& stop) {
   if (!film_) return no_scene();
+  use_device();
   const auto start = std::chrono::steady_clock::now();
   Batch batch;
   Flight flight;
   // The scene's own kernel may be ready by now; from the first sample on it is too late.
   if (film_->empty()) DIAPHANE_TRY(choose_variants());
   DIAPHANE_CUDA_TRY(cudaEventRecord(events_[0].get(), stream_.get()));
-  const std::uint64_t before = film_->samples();
+  const std::uint64_t before = film_->drawn();
   const auto whole = trace_until(before + samples, stop, flight);
   if (!whole) return tl::unexpected(whole.error());
-  batch.samples = static_cast<std::uint32_t>(film_->samples() - before);
+  batch.samples = static_cast<std::uint32_t>(film_->drawn() - before);
   auto dropped = film_->dropped(stream_.get());
   if (!dropped) return tl::unexpected(dropped.error());
   batch.dropped_samples = *dropped - dropped_;
@@ -275,6 +302,7 @@ Progress CudaRenderer::progress() const {
   Progress progress;
   progress.error = std::numeric_limits<double>::infinity();
   if (!film_) return progress;
+  use_device();
   progress.samples = film_->samples();
   progress.seconds = seconds_;
   if (error_samples_ != progress.samples) {
@@ -290,6 +318,7 @@ Progress CudaRenderer::progress() const {
 
 Result<void> CudaRenderer::display(PictureRgb8& out) {
   if (!film_) return no_scene();
+  use_device();
   out.size = film_->canvas();
   out.pixels.resize(3 * film_->pixels());
   return film_->display(prepared_.exposure_scale, out.pixels.data(), stream_.get());
@@ -297,6 +326,7 @@ Result<void> CudaRenderer::display(PictureRgb8& out) {
 
 Result<void> CudaRenderer::radiance(PictureRgbF& out) {
   if (!film_) return no_scene();
+  use_device();
   out.size = film_->canvas();
   out.pixels.resize(3 * film_->pixels());
   return film_->radiance(out.pixels.data(), stream_.get());
@@ -326,6 +356,7 @@ float CudaRenderer::fade() {
 
 Result<bool> CudaRenderer::display_denoised(PictureRgb8& out) {
   if (!film_) return no_scene();
+  use_device();
   const float f = fade();
   if (!(f > 0)) return display(out).map([] { return false; });
   const Float3 s = prepared_.spacing;
@@ -341,6 +372,7 @@ Result<bool> CudaRenderer::display_denoised(PictureRgb8& out) {
 
 Result<bool> CudaRenderer::radiance_denoised(PictureRgbF& out) {
   if (!film_) return no_scene();
+  use_device();
   const float f = fade();
   if (!(f > 0)) return radiance(out).map([] { return false; });
   const Float3 s = prepared_.spacing;
@@ -353,6 +385,7 @@ Result<bool> CudaRenderer::radiance_denoised(PictureRgbF& out) {
 
 Result<void> CudaRenderer::contents(std::vector<std::uint8_t>& out) {
   if (!film_) return no_scene();
+  use_device();
   out.resize(film_->pixels());
   return film_->contents(out.data(), stream_.get());
 }

@@ -40,6 +40,9 @@ class CudaRenderer : public FrameRenderer {
   Result<void> radiance(PictureRgbF& out) override;
   Result<void> contents(std::vector<std::uint8_t>& out) override;
   void prepare_denoising(bool wanted) override { guided_ = wanted; }
+  Result<void> set_share(const Share& share) override;
+  Result<bool> take_film(FilmPart& out) override;
+  Result<void> merge_film(const FilmPart& part) override;
   Result<bool> display_denoised(PictureRgb8& out) override;
   Result<bool> radiance_denoised(PictureRgbF& out) override;
   std::vector<std::string> features() const override;
@@ -92,6 +95,8 @@ class CudaRenderer : public FrameRenderer {
   Result<void> choose_variants();
   /// What does most of the work.
   const Variant& main_variant() const { return exact_ ? exact_->variant() : *variant_; }
+  /// The volume's device becomes the calling thread's current one.
+  void use_device() const { cudaSetDevice(volume_->device()); }
   /// How far the picture is smoothed now; 0: not, and then for good: the guides are freed.
   float fade();
 
@@ -102,6 +107,7 @@ class CudaRenderer : public FrameRenderer {
   std::uint64_t seed_;
   std::uint64_t first_sample_;
   Method method_;
+  Share share_;
   Stream stream_;
   std::array<Event, kAhead + 1> events_;
 

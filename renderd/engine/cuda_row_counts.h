@@ -20,6 +20,7 @@ class RowCounts {
 
   explicit RowCounts(std::uint32_t rows = 1) : steps_{{rows, 0}} {}
 
+  std::uint32_t rows() const { return steps_.back().last_row; }
   /// That all rows have.
   std::uint64_t least() const { return steps_.back().samples; }
   bool flat() const { return steps_.size() == 1; }

@@ -22,8 +22,8 @@ void describe(Variant& variant) {
 }  // namespace
 
 VariantStore::VariantStore(KernelChoice choice, const std::string& cache_directory,
-                           int architecture)
-    : choice_(choice), architecture_(architecture), cache_(cache_directory) {
+                           int architecture, int device)
+    : choice_(choice), architecture_(architecture), device_(device), cache_(cache_directory) {
   if (choice_ != KernelChoice::kExact && choice_ != KernelChoice::kStandIn) return;
   auto nvrtc = Nvrtc::load();
   if (nvrtc) {
@@ -92,6 +92,8 @@ std::shared_ptr<const Variant> VariantStore::get(const KernelTemplate& kernel, F
 }
 
 void VariantStore::work() {
+  // Or this thread would wake device 0, whose memory nobody uses.
+  cudaSetDevice(device_);
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [this] { return ending_ || !queue_.empty(); });

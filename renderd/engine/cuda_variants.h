@@ -30,13 +30,14 @@ struct Variant {
   std::uint64_t local_bytes = 0;
 };
 
-/// The kernels of one device: those compiled ahead of time, and those compiled for the scenes that
-/// were met, kept until the engine ends. Thread-safe. Nothing here fails for want of a compiler:
-/// a kernel compiled ahead of time stands in, and says why.
+/// The kernels of one kind of device: those compiled ahead of time, and those compiled for the
+/// scenes that were met, kept until the engine ends. Thread-safe. Nothing here fails for want of a
+/// compiler: a kernel compiled ahead of time stands in, and says why.
 class VariantStore {
  public:
-  /// `architecture` as in Nvrtc::compile.
-  VariantStore(KernelChoice choice, const std::string& cache_directory, int architecture);
+  /// `architecture` as in Nvrtc::compile; `device`: one of those that it is for.
+  VariantStore(KernelChoice choice, const std::string& cache_directory, int architecture,
+               int device = 0);
   /// Waits for a compilation under way.
   ~VariantStore();
   VariantStore(const VariantStore&) = delete;
@@ -72,6 +73,7 @@ class VariantStore {
 
   const KernelChoice choice_;
   const int architecture_;
+  const int device_;
   const KernelCache cache_;
   std::shared_ptr<const Nvrtc> nvrtc_;  ///< null: none
 

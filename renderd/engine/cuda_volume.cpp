@@ -10,6 +10,7 @@ namespace diaphane::render::cuda {
 Result<std::shared_ptr<const CudaVolume>> CudaVolume::load(const volume::Volume& volume) {
   DIAPHANE_TRY(check_volume(volume));
   std::shared_ptr<CudaVolume> loaded(new CudaVolume(volume.header));
+  DIAPHANE_CUDA_TRY(cudaGetDevice(&loaded->device_));
   auto stream = Stream::make();
   if (!stream) return tl::unexpected(stream.error());
   DIAPHANE_TRY(loaded->upload(volume.voxels.data(), stream->get()));
@@ -18,6 +19,7 @@ Result<std::shared_ptr<const CudaVolume>> CudaVolume::load(const volume::Volume&
 }
 
 CudaVolume::~CudaVolume() {
+  cudaSetDevice(device_);
   if (texture_ != 0) cudaDestroyTextureObject(texture_);
   if (array_ != nullptr) cudaFreeArray(array_);
 }

@@ -17,6 +17,7 @@ namespace diaphane::render::cuda {
 class CudaVolume : public DeviceVolume {
  public:
   /// kInvalid when size and voxels do not fit together; kOutOfMemory leaves nothing behind.
+  /// Onto the calling thread's current device.
   static Result<std::shared_ptr<const CudaVolume>> load(const volume::Volume& volume);
   ~CudaVolume() override;
   CudaVolume(const CudaVolume&) = delete;
@@ -32,6 +33,8 @@ class CudaVolume : public DeviceVolume {
   const ValueGrid& grid() const { return grid_; }
   const ValueRange* ranges() const { return ranges_.data(); }
   TextureVolume view() const;
+  /// CUDA's number of the device that it is on.
+  int device() const { return device_; }
 
   /// For the exact walk: marks the bricks that a transfer function leaves empty in `skips` (8 bytes
   /// a brick), and puts the cells of the others into the pool of nodes, as far as that goes. Waits
@@ -63,6 +66,7 @@ class CudaVolume : public DeviceVolume {
   Result<void> find_ranges(cudaStream_t stream);
 
   volume::Header header_;
+  int device_ = 0;
   ValueGrid grid_;
   DeviceBuffer<ValueRange> ranges_;
   cudaArray_t array_ = nullptr;

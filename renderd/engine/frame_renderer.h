@@ -151,6 +151,7 @@ struct EngineOptions {
   /// At most 5% of device memory beside the volume's voxels: leaves out acceleration structures
   /// that take more.
   bool lean_memory = false;
+  int device = 0;  ///< of those that are visible
 };
 
 /// DIAPHANE_KERNEL_CACHE (empty: none); else diaphane/kernels in XDG_CACHE_HOME or in ~/.cache;

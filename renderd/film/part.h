@@ -55,6 +55,18 @@ struct FilmPart {
   std::vector<PackedPixel> pixels;
 };
 
+/// Whether [first_row, last_row) can be a share of a picture of `height` rows.
+inline bool is_band(std::uint32_t first_row, std::uint32_t last_row, std::uint32_t height) {
+  return first_row % kShareRows == 0 && first_row < last_row && last_row <= height &&
+         (last_row % kShareRows == 0 || last_row == height);
+}
+/// Whether `part` can be of a picture of this size.
+inline bool fits(const FilmPart& part, Canvas size) {
+  return part.width == size.width && part.rows <= size.height &&
+         is_band(part.first_row, part.first_row + part.rows, size.height) &&
+         part.samples % 2 == 0 && part.pixels.size() == std::size_t{part.width} * part.rows;
+}
+
 /// x >= 0 as PackedPixel::mean; below 2^-40 it is 0, beyond 2^24 the largest.
 HOST_DEVICE std::uint16_t pack_mean(float x) {
   union Bits {
