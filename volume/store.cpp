@@ -136,7 +136,8 @@ Result<Volume> read(const std::string& directory, bool verify_hash) {
   if (static_cast<std::uint64_t>(opened->second) != count * sizeof(std::int16_t)) {
     return fail(ErrorCode::kInvalid, "voxels.i16 has not the size that volume.json says");
   }
-  Volume volume{std::move(*header), {}};
+  Volume volume{std::move(*header), {}, {}};
+  volume.id = fs::path(directory).lexically_normal().filename().string();
   try {
     volume.voxels.resize(count);
   } catch (const std::bad_alloc&) {

@@ -36,6 +36,7 @@ struct Header {
 struct Volume {
   Header header;
   std::vector<std::int16_t> voxels;
+  std::string id;  ///< the name of its directory in the store; empty when it is from elsewhere
 };
 
 /// Fills minimum, maximum and percentiles from the voxels.

@@ -1,0 +1,98 @@
+#include "renderd/composite/composite_engine.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "renderd/composite/device_thread.h"
+
+namespace diaphane::render {
+namespace {
+
+/// One copy on each device.
+class CompositeVolume final : public DeviceVolume {
+ public:
+  CompositeVolume(std::string id, std::vector<std::shared_ptr<const DeviceVolume>> copies)
+      : id_(std::move(id)), copies_(std::move(copies)) {}
+  const volume::Header& header() const override { return copies_.front()->header(); }
+  /// Of the device where it takes most: each has a memory of its own.
+  std::uint64_t device_bytes() const override {
+    std::uint64_t most = 0;
+    for (const auto& copy : copies_) most = std::max(most, copy->device_bytes());
+    return most;
+  }
+  const std::string& id() const { return id_; }
+  const std::shared_ptr<const DeviceVolume>& copy(std::size_t device) const {
+    return copies_[device];
+  }
+
+ private:
+  std::string id_;
+  std::vector<std::shared_ptr<const DeviceVolume>> copies_;
+};
+
+class CompositeEngine final : public Engine {
+ public:
+  CompositeEngine(std::vector<std::unique_ptr<Engine>> devices, AssistSource* source,
+                  CompositeOptions options)
+      : devices_(std::move(devices)), source_(source), options_(options) {
+    for (std::size_t d = 1; d < devices_.size(); ++d) {
+      threads_.push_back(std::make_unique<DeviceThread>());
+    }
+  }
+
+  EngineInfo info() const override {
+    EngineInfo info = devices_.front()->info();
+    if (devices_.size() > 1) info.device = std::to_string(devices_.size()) + " x " + info.device;
+    for (const auto& device : devices_) {
+      info.memory_bytes = std::min(info.memory_bytes, device->info().memory_bytes);
+    }
+    return info;
+  }
+
+  Result<std::shared_ptr<const DeviceVolume>> load(const volume::Volume& volume) override {
+    std::vector<std::shared_ptr<const DeviceVolume>> copies;
+    for (const auto& device : devices_) {
+      auto copy = device->load(volume);
+      if (!copy) return copy;
+      copies.push_back(std::move(*copy));
+    }
+    return std::make_shared<CompositeVolume>(volume.id, std::move(copies));
+  }
+
+ private:
+  Result<std::unique_ptr<FrameRenderer>> make_renderer(std::shared_ptr<const DeviceVolume> volume,
+                                                       std::uint64_t seed,
+                                                       std::uint64_t first_sample,
+                                                       Method method) override {
+    const auto ours = std::dynamic_pointer_cast<const CompositeVolume>(std::move(volume));
+    if (!ours) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
+    auto own = devices_.front()->renderer(ours->copy(0), seed, first_sample, method);
+    if (!own) return own;
+    std::vector<std::unique_ptr<Assistant>> assistants;
+    for (std::size_t d = 1; d < devices_.size(); ++d) {
+      auto other = devices_[d]->renderer(ours->copy(d), seed, first_sample, method);
+      if (!other) return other;
+      assistants.push_back(threads_[d - 1]->assistant(std::move(*other)));
+    }
+    if (source_ != nullptr && !ours->id().empty()) {
+      for (auto& one : source_->assistants({ours->id(), seed, first_sample, method})) {
+        assistants.push_back(std::move(one));
+      }
+    }
+    return std::make_unique<CompositeRenderer>(*std::move(own), std::move(assistants), options_);
+  }
+
+  const std::vector<std::unique_ptr<Engine>> devices_;
+  std::vector<std::unique_ptr<DeviceThread>> threads_;  ///< end before the devices
+  AssistSource* const source_;
+  const CompositeOptions options_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_composite_engine(std::vector<std::unique_ptr<Engine>> devices,
+                                              AssistSource* source, CompositeOptions options) {
+  return std::make_unique<CompositeEngine>(std::move(devices), source, options);
+}
+
+}  // namespace diaphane::render

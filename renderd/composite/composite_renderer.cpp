@@ -1,0 +1,246 @@
+#include "renderd/composite/composite_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+namespace diaphane::render {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// The error for which the way of dividing is chosen.
+constexpr double kChosenFor = 0.05;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+double pixels_of(Canvas canvas) { return double(canvas.width) * double(canvas.height); }
+
+double mean(double before, double now) { return before > 0 ? 0.6 * before + 0.4 * now : now; }
+
+bool whole(const Share& share, Canvas canvas) {
+  return share.first_row == 0 && share.last_row >= canvas.height;
+}
+
+}  // namespace
+
+CompositeRenderer::CompositeRenderer(std::unique_ptr<FrameRenderer> own,
+                                     std::vector<std::unique_ptr<Assistant>> assistants,
+                                     CompositeOptions options)
+    : own_(std::move(own)), options_(options) {
+  for (auto& assistant : assistants) helpers_.emplace_back().assistant = std::move(assistant);
+}
+
+void CompositeRenderer::prepare_denoising(bool wanted) {
+  guided_ = wanted;
+  own_->prepare_denoising(wanted);
+}
+
+Result<void> CompositeRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas canvas) {
+  if (auto taken = own_->set_scene(scene, canvas); !taken) return taken;
+  task_.epoch = ++epoch_;
+  task_.scene = std::make_shared<const diaphane::v1::Scene>(scene);
+  task_.canvas = canvas;
+  sequence_ = 0;
+  own_share_ = {};
+  drawn_.assign((canvas.height + kShareRows - 1) / kShareRows, 0);
+  for (Helper& helper : helpers_) helper.silent = false;
+  report_ = {};
+  return deal(choose());
+}
+
+Division CompositeRenderer::choose() const {
+  if (options_.division) return *options_.division;
+  // The smoothing of first pictures needs to know what is seen in all of their rows.
+  if (guided_) return Division::kAverage;
+  DivisionQuestion question;
+  question.canvas = task_.canvas;
+  question.samples = samples_needed_;
+  question.speeds.push_back(own_speed_);
+  double slowest = 1e12;
+  for (const Helper& helper : helpers_) {
+    if (helper.assistant->lost()) continue;
+    question.speeds.push_back(helper.speed);
+    slowest = std::min(slowest, helper.assistant->bytes_per_second());
+  }
+  question.bytes_per_second = slowest;
+  question.merge_seconds = merge_seconds_per_pixel_;
+  return choose_division(question);
+}
+
+Result<void> CompositeRenderer::deal(Division division) {
+  // An unknown speed is as good as the others'.
+  double known = own_speed_ > 0 ? own_speed_ : 1;
+  for (const Helper& helper : helpers_) known = std::max(known, helper.speed);
+  std::vector<double> speeds{own_speed_ > 0 ? own_speed_ : known};
+  for (const Helper& helper : helpers_) {
+    speeds.push_back(!can_help(helper) ? 0 : helper.speed > 0 ? helper.speed : known);
+  }
+  const auto shares = plan_shares(division, task_.canvas, speeds, costs_, ++sequence_);
+  report_.division = division;
+  report_.assistants = 0;
+  auto taken = own_->set_share(*shares.front());
+  if (!taken && taken.error().code == ErrorCode::kConflict) {
+    // A stopped batch left half a pair.
+    for (int tries = 0; tries < 2 && !taken; ++tries) {
+      const auto batch = own_->render(1, [] { return false; });
+      if (!batch) return tl::unexpected(batch.error());
+      learn_own(*batch);
+      taken = own_->set_share(*shares.front());
+    }
+  }
+  if (!taken) return taken;
+  own_share_ = *shares.front();
+  for (std::size_t i = 0; i < helpers_.size(); ++i) {
+    Helper& helper = helpers_[i];
+    helper.share = shares[i + 1];
+    if (!helper.share) continue;
+    task_.share = *helper.share;
+    helper.assistant->begin(task_);
+    ++report_.assistants;
+  }
+  return {};
+}
+
+Result<void> CompositeRenderer::settle_changes() {
+  bool came = false;
+  bool went = false;
+  for (Helper& helper : helpers_) {
+    const bool helps = can_help(helper);
+    came |= helps && !helper.share && !helper.silent;
+    went |= !helps && helper.share;
+  }
+  if (report_.division == Division::kTiles) {
+    return came || went ? deal(Division::kTiles) : Result<void>{};
+  }
+  for (Helper& helper : helpers_) {
+    if (!can_help(helper)) {
+      report_.assistants -= helper.share ? 1 : 0;
+      helper.share.reset();
+    } else if (!helper.share) {
+      // Of a sequence of its own: those of the others are under way.
+      helper.share = Share{.sequence = ++sequence_};
+      task_.share = *helper.share;
+      helper.assistant->begin(task_);
+      ++report_.assistants;
+    }
+  }
+  return {};
+}
+
+Result<void> CompositeRenderer::merge(Helper& helper, const AssistPart& part) {
+  ++report_.parts;
+  report_.bytes += part.bytes;
+  if (part.epoch != epoch_) {
+    ++report_.dropped_parts;
+    if (options_.drop_older_epochs) return {};
+  }
+  if (!fits(part.film, task_.canvas)) return {};  // of an older picture, or nonsense
+  const auto begin = Clock::now();
+  if (auto merged = own_->merge_film(part.film); !merged) return merged;
+  const double seconds = seconds_since(begin);
+  report_.merge_seconds += seconds;
+  const FilmPart& film = part.film;
+  const double pixels = double(film.width) * film.rows;
+  merge_seconds_per_pixel_ = mean(merge_seconds_per_pixel_, seconds / pixels);
+  const std::uint32_t last = film.first_row + film.rows;
+  for (std::uint32_t row = film.first_row; row < last; row += kShareRows) {
+    drawn_[row / kShareRows] += film.samples;
+  }
+  if (part.seconds <= 0) return {};
+  const double rate = pixels * static_cast<double>(film.samples) / part.seconds;
+  if (film.first_row == 0 && last == task_.canvas.height) {
+    helper.speed = mean(helper.speed, rate);
+  } else if (helper.speed > 0) {
+    costs_.learn(film.first_row, last, task_.canvas.height,
+                 part.seconds / static_cast<double>(film.samples),
+                 pixels_of(task_.canvas) / helper.speed);
+  }
+  return {};
+}
+
+Result<void> CompositeRenderer::absorb() {
+  const AssistNews news{*std::min_element(drawn_.begin(), drawn_.end()), told_error_};
+  for (Helper& helper : helpers_) {
+    while (auto part = helper.assistant->take(news)) {
+      if (auto merged = merge(helper, *part); !merged) return merged;
+    }
+  }
+  return {};
+}
+
+void CompositeRenderer::learn_own(const Batch& batch) {
+  if (batch.samples == 0) return;
+  const std::uint32_t last = std::min(own_share_.last_row, task_.canvas.height);
+  for (std::uint32_t row = own_share_.first_row; row < last; row += kShareRows) {
+    drawn_[row / kShareRows] += batch.samples;
+  }
+  if (batch.seconds <= 0) return;
+  const double per_sample = batch.seconds / batch.samples;
+  if (whole(own_share_, task_.canvas)) {
+    own_speed_ = mean(own_speed_, pixels_of(task_.canvas) / per_sample);
+  } else if (own_speed_ > 0) {
+    costs_.learn(own_share_.first_row, last, task_.canvas.height, per_sample,
+                 pixels_of(task_.canvas) / own_speed_);
+  }
+}
+
+bool CompositeRenderer::has_gaps() const {
+  return std::find(drawn_.begin(), drawn_.end(), 0U) != drawn_.end();
+}
+
+Result<void> CompositeRenderer::await_bands(const std::function<bool()>& stop) {
+  const auto begin = Clock::now();
+  while (has_gaps()) {
+    if (stop && stop()) return {};
+    if (auto done = absorb(); !done) return done;
+    if (!has_gaps()) return {};
+    bool lost = false;
+    const bool late = Clock::now() - begin > options_.patience;
+    for (Helper& helper : helpers_) {
+      if (!helper.share) continue;
+      const bool empty = drawn_[helper.share->first_row / kShareRows] == 0;
+      if (empty && late) helper.silent = true;
+      lost |= !can_help(helper);
+    }
+    if (lost) {
+      // The rows of those that do not answer, by those that do.
+      if (auto dealt = deal(Division::kTiles); !dealt) return dealt;
+      const auto batch = own_->render(2, stop);
+      if (!batch) return tl::unexpected(batch.error());
+      learn_own(*batch);
+    } else {
+      std::this_thread::sleep_for(std::chrono::microseconds(300));
+    }
+  }
+  return {};
+}
+
+Result<Batch> CompositeRenderer::render(std::uint32_t samples, const std::function<bool()>& stop) {
+  if (drawn_.empty()) return own_->render(samples, stop);  // says that there is no scene
+  if (auto settled = settle_changes(); !settled) return tl::unexpected(settled.error());
+  auto batch = own_->render(samples, stop);
+  if (!batch) return batch;
+  learn_own(*batch);
+  const auto begin = Clock::now();
+  if (auto done = absorb(); !done) return tl::unexpected(done.error());
+  if (batch->samples > 0) {
+    if (auto done = await_bands(stop); !done) return tl::unexpected(done.error());
+  }
+  batch->seconds += seconds_since(begin);
+  return batch;
+}
+
+Progress CompositeRenderer::progress() const {
+  const Progress progress = own_->progress();
+  told_error_ = progress.error;
+  if (std::isfinite(progress.error) && progress.error > 0) {
+    const double off = progress.error / kChosenFor;
+    samples_needed_ = std::clamp(static_cast<double>(progress.samples) * off * off, 2.0, 1048576.0);
+  }
+  return progress;
+}
+
+}  // namespace diaphane::render

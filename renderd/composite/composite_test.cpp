@@ -1,0 +1,322 @@
+// Several devices that make one picture, with assistants that answer when the test says so, and
+// with those of a real engine's threads.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <thread>
+
+#include "renderd/composite/composite_engine.h"
+#include "renderd/composite/device_thread.h"
+#include "renderd/engine/cpu_engine.h"
+#include "renderd/scene/test_scenes.h"
+
+namespace diaphane::render {
+namespace {
+
+constexpr Canvas kCanvas{61, 77};
+
+/// Renders `each` samples of its task whenever it is asked for a part.
+struct Script {
+  std::uint32_t each = 4;
+  bool lost = false;
+  bool silent = false;
+  int tasks = 0;
+  std::deque<AssistPart> late;  ///< delivered before all else
+  AssistTask task;
+  std::unique_ptr<FrameRenderer> renderer;
+};
+
+class ScriptedAssistant final : public Assistant {
+ public:
+  explicit ScriptedAssistant(std::shared_ptr<Script> script) : script_(std::move(script)) {}
+  void begin(const AssistTask& task) override {
+    script_->task = task;
+    ++script_->tasks;
+    ASSERT_TRUE(script_->renderer->set_scene(*task.scene, task.canvas));
+    ASSERT_TRUE(script_->renderer->set_share(task.share));
+    asked_ = false;
+  }
+  std::optional<AssistPart> take(const AssistNews&) override {
+    Script& s = *script_;
+    if (!s.late.empty()) {
+      AssistPart part = std::move(s.late.front());
+      s.late.pop_front();
+      return part;
+    }
+    // One part a question: the next one is not there yet.
+    if ((asked_ = !asked_) == false || s.lost || s.silent || s.each == 0) return std::nullopt;
+    AssistPart part;
+    EXPECT_TRUE(s.renderer->render(s.each, nullptr));
+    EXPECT_TRUE(*s.renderer->take_film(part.film));
+    part.epoch = s.task.epoch;
+    part.sequence = s.task.share.sequence;
+    part.seconds = 1e-3;
+    return part;
+  }
+  bool lost() const override { return script_->lost; }
+
+ private:
+  std::shared_ptr<Script> script_;
+  bool asked_ = false;
+};
+
+class Composite : public ::testing::Test {
+ protected:
+  std::unique_ptr<FrameRenderer> renderer() { return *engine_->renderer(volume_, 7, 0); }
+  std::unique_ptr<CompositeRenderer> composite(std::size_t helpers, CompositeOptions options) {
+    std::vector<std::unique_ptr<Assistant>> assistants;
+    for (std::size_t i = 0; i < helpers; ++i) {
+      scripts_.push_back(std::make_shared<Script>());
+      scripts_.back()->renderer = renderer();
+      assistants.push_back(std::make_unique<ScriptedAssistant>(scripts_.back()));
+    }
+    return std::make_unique<CompositeRenderer>(renderer(), std::move(assistants), options);
+  }
+  static std::vector<float> radiance(FrameRenderer& renderer) {
+    PictureRgbF picture;
+    EXPECT_TRUE(renderer.radiance(picture));
+    return picture.pixels;
+  }
+  /// Of one device, `samples` of sequence 1, which is the first that is dealt.
+  std::vector<float> alone(std::uint32_t samples, const diaphane::v1::Scene& scene) {
+    const auto one = renderer();
+    EXPECT_TRUE(one->set_scene(scene, kCanvas));
+    EXPECT_TRUE(one->set_share({.sequence = 1}));
+    EXPECT_TRUE(one->render(samples, nullptr));
+    return radiance(*one);
+  }
+  static double largest_difference(const std::vector<float>& a, const std::vector<float>& b) {
+    EXPECT_EQ(a.size(), b.size());
+    double most = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      most = std::max(most, std::abs(double(a[i]) - double(b[i])) / (double(b[i]) + 1e-3));
+    }
+    return most;
+  }
+  /// Rounding of packed means.
+  static constexpr double kRounding = 0x1p-11 + 1e-5;
+
+  std::unique_ptr<Engine> engine_ = make_cpu_engine(2);
+  std::shared_ptr<const DeviceVolume> volume_ = *engine_->load(test::skull_volume());
+  std::vector<std::shared_ptr<Script>> scripts_;
+};
+
+TEST_F(Composite, AveragesAndTilesOfKDevicesAreThePictureOfOne) {
+  for (const std::size_t devices : {2u, 3u, 4u}) {
+    for (const Division division : {Division::kAverage, Division::kTiles}) {
+      scripts_.clear();
+      const auto many = composite(devices - 1, {.division = division});
+      ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
+      ASSERT_TRUE(many->render(4, nullptr));
+      const bool tiles = division == Division::kTiles;
+      const auto samples = static_cast<std::uint32_t>(tiles ? 4 : 4 * devices);
+      EXPECT_EQ(many->progress().samples, samples);
+      EXPECT_LT(largest_difference(radiance(*many), alone(samples, test::skull_scene())), kRounding)
+          << devices << (tiles ? " tiles" : " averaged");
+      EXPECT_EQ(many->composite().assistants, devices - 1);
+    }
+  }
+}
+
+/// Thesis 5.1.2: without the count of interactions, what was rendered of the picture before would
+/// shine through the new one.
+TEST_F(Composite, PartsOfOlderEpochsAreDroppedOrThereWouldBeGhosts) {
+  auto turned = test::skull_scene();
+  turned.mutable_camera()->mutable_eye()->set_x(turned.camera().eye().x() + 300);
+  for (const bool drop : {true, false}) {
+    scripts_.clear();
+    const auto many = composite(1, {.division = Division::kAverage, .drop_older_epochs = drop});
+    ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
+    // It is on its way when the camera turns.
+    AssistPart late;
+    ASSERT_TRUE(scripts_[0]->renderer->render(4, nullptr));
+    ASSERT_TRUE(*scripts_[0]->renderer->take_film(late.film));
+    late.epoch = scripts_[0]->task.epoch;
+    ASSERT_TRUE(many->set_scene(turned, kCanvas));
+    scripts_[0]->late.push_back(std::move(late));
+    scripts_[0]->each = 0;
+    ASSERT_TRUE(many->render(4, nullptr));
+
+    const auto one = renderer();
+    ASSERT_TRUE(one->set_scene(turned, kCanvas));
+    ASSERT_TRUE(one->set_share({.part = 0, .parts = 2, .sequence = 1}));
+    ASSERT_TRUE(one->render(4, nullptr));
+    const double off = largest_difference(radiance(*many), radiance(*one));
+    EXPECT_EQ(many->composite().dropped_parts, 1u);
+    if (drop) {
+      EXPECT_EQ(off, 0);
+    } else {
+      EXPECT_GT(off, 0.3) << "the ghost is not there: the test sees nothing";
+    }
+  }
+}
+
+TEST_F(Composite, AnAssistantLostInMidPictureCostsOnlyItsShare) {
+  const auto many = composite(2, {.division = Division::kAverage});
+  ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
+  ASSERT_TRUE(many->render(4, nullptr));
+  scripts_[0]->lost = true;
+  ASSERT_TRUE(many->render(4, nullptr));
+  EXPECT_EQ(many->progress().samples, 4u * 3 + 4u * 2) << "what it delivered stays";
+  EXPECT_EQ(many->composite().assistants, 1u);
+  // It comes back: a share of its own, in the same picture.
+  scripts_[0]->lost = false;
+  ASSERT_TRUE(many->render(4, nullptr));
+  EXPECT_EQ(many->progress().samples, 4u * 3 + 4u * 2 + 4u * 3);
+  EXPECT_EQ(scripts_[0]->tasks, 2);
+  EXPECT_EQ(scripts_[1]->tasks, 1) << "nobody else is disturbed";
+  EXPECT_NE(scripts_[0]->task.share.sequence, scripts_[1]->task.share.sequence);
+}
+
+TEST_F(Composite, TheRowsOfALostAssistantAreTheOthers) {
+  const auto many = composite(2, {.division = Division::kTiles});
+  ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
+  ASSERT_TRUE(many->render(4, nullptr));
+  ASSERT_EQ(many->progress().samples, 4u);
+  scripts_[0]->lost = true;
+  const auto goes_on = many->render(3, nullptr);
+  ASSERT_TRUE(goes_on) << goes_on.error().message;
+  ASSERT_TRUE(many->render(5, nullptr));
+  EXPECT_GE(many->progress().samples, 8u) << "its rows too";
+  // It is the same picture: within the noise of 8 samples, by the renderer's own estimate.
+  const auto truth = alone(64, test::skull_scene());
+  const auto picture = radiance(*many);
+  double squared = 0;
+  std::size_t counted = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    squared += std::pow(std::min(picture[i], 1.0f) - std::min(truth[i], 1.0f), 2);
+    ++counted;
+  }
+  EXPECT_LT(std::sqrt(squared / static_cast<double>(counted)), 0.1);
+}
+
+TEST_F(Composite, ABandThatNeverComesIsRenderedByWhoAnswers) {
+  const auto many =
+      composite(2, {.division = Division::kTiles, .patience = std::chrono::milliseconds(20)});
+  ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
+  scripts_[1]->silent = true;
+  ASSERT_TRUE(many->render(2, nullptr));
+  EXPECT_GE(many->progress().samples, 2u) << "the first picture is whole";
+  // Who waits can be called away.
+  ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
+  ASSERT_TRUE(many->render(2, [] { return true; }));
+}
+
+TEST_F(Composite, NonsenseFromAnAssistantHarmsNothing) {
+  const auto many = composite(1, {.division = Division::kAverage});
+  ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
+  AssistPart bad;
+  bad.epoch = 1;
+  bad.film = {.width = 1000, .first_row = 7, .rows = 3, .samples = 1, .pixels = {}};
+  scripts_[0]->late.push_back(bad);
+  scripts_[0]->each = 0;
+  ASSERT_TRUE(many->render(2, nullptr));
+  EXPECT_EQ(many->progress().samples, 2u);
+}
+
+TEST_F(Composite, TheWayOfDividingIsChosenOnceSpeedsAreKnown) {
+  const auto many = composite(2, {});
+  ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
+  EXPECT_EQ(many->composite().division, Division::kAverage) << "nothing is known yet";
+  ASSERT_TRUE(many->render(4, nullptr));
+  (void)many->progress();
+  ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
+  many->prepare_denoising(true);
+  ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
+  EXPECT_EQ(many->composite().division, Division::kAverage) << "smoothing needs all rows' guides";
+}
+
+/// Devices of this process, as a renderd with several GPUs has them.
+TEST(CompositeEngine, DevicesOfOneProcessRenderOnePictureAndComeToRestWithIt) {
+  for (const Division division : {Division::kAverage, Division::kTiles}) {
+    std::vector<std::unique_ptr<Engine>> devices;
+    for (int i = 0; i < 3; ++i) devices.push_back(make_cpu_engine(1));
+    const auto engine = make_composite_engine(std::move(devices), nullptr, {.division = division});
+    EXPECT_EQ(engine->info().device.substr(0, 4), "3 x ");
+    const auto volume = *engine->load(test::skull_volume());
+    const auto renderer = *engine->renderer(volume, 7, 0);
+    ASSERT_TRUE(renderer->set_scene(test::skull_scene(), kCanvas));
+    const auto begin = std::chrono::steady_clock::now();
+    while (renderer->progress().samples < 40 &&
+           std::chrono::steady_clock::now() - begin < std::chrono::seconds(30)) {
+      ASSERT_TRUE(renderer->render(2, [] { return false; }));
+    }
+    ASSERT_GE(renderer->progress().samples, 40u);
+    const auto& report = dynamic_cast<CompositeRenderer&>(*renderer).composite();
+    EXPECT_GT(report.parts, 2u);
+    EXPECT_EQ(report.dropped_parts, 0u);
+    EXPECT_EQ(report.assistants, 2u);
+
+    const auto one = make_cpu_engine(2);
+    const auto truth = *one->renderer(*one->load(test::skull_volume()), 99, 0);
+    ASSERT_TRUE(truth->set_scene(test::skull_scene(), kCanvas));
+    ASSERT_TRUE(truth->render(60, nullptr));
+    PictureRgbF a, b;
+    ASSERT_TRUE(renderer->radiance(a) && truth->radiance(b));
+    double squared = 0;
+    for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+      squared += std::pow(std::min(a.pixels[i], 1.0f) - std::min(b.pixels[i], 1.0f), 2);
+    }
+    EXPECT_LT(std::sqrt(squared / static_cast<double>(a.pixels.size())), 0.06);
+  }
+}
+
+/// Counts what is asked of it.
+class CountingRenderer final : public FrameRenderer {
+ public:
+  explicit CountingRenderer(std::shared_ptr<std::atomic<int>> samples)
+      : samples_(std::move(samples)) {}
+  Result<void> set_scene(const diaphane::v1::Scene&, Canvas) override { return {}; }
+  Result<Batch> render(std::uint32_t samples, const std::function<bool()>&) override {
+    *samples_ += static_cast<int>(samples);
+    held_ += samples;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return Batch{samples, 0.001, 0};
+  }
+  Progress progress() const override { return {}; }
+  Result<void> display(PictureRgb8&) override { return {}; }
+  Result<void> radiance(PictureRgbF&) override { return {}; }
+  Result<void> contents(std::vector<std::uint8_t>&) override { return {}; }
+  Result<void> set_share(const Share&) override { return {}; }
+  Result<bool> take_film(FilmPart& out) override {
+    out.samples = held_;
+    held_ = 0;
+    return true;
+  }
+  std::vector<std::string> features() const override { return {}; }
+
+ private:
+  std::shared_ptr<std::atomic<int>> samples_;
+  std::uint64_t held_ = 0;
+};
+
+TEST(DeviceThread, RestsWhenNobodyTakesItsPartsAndGoesOnWhenSomebodyDoes) {
+  auto samples = std::make_shared<std::atomic<int>>(0);
+  DeviceThread thread;
+  const auto assistant = thread.assistant(std::make_unique<CountingRenderer>(samples));
+  AssistTask task;
+  task.scene = std::make_shared<const diaphane::v1::Scene>();
+  task.epoch = 4;
+  assistant->begin(task);
+  std::optional<AssistPart> part;
+  for (int i = 0; i < 5000 && !part; ++i) {
+    part = assistant->take({});
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ASSERT_TRUE(part);
+  EXPECT_EQ(part->epoch, 4u);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const int rested = *samples;
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(*samples, rested) << "a picture that nobody looks at costs nothing";
+  ASSERT_TRUE(assistant->take({}));
+  for (int i = 0; i < 5000 && *samples == rested; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_GT(*samples, rested);
+}
+
+}  // namespace
+}  // namespace diaphane::render

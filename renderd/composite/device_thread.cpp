@@ -1,0 +1,214 @@
+#include "renderd/composite/device_thread.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "renderd/composite/plan.h"
+
+namespace diaphane::render {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Between two looks at whether somebody else wants a turn.
+constexpr double kTurnSeconds = 0.005;
+constexpr double kMostSamples = 1024;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+}  // namespace
+
+/// One picture that the device renders for. Task and part are of both threads, the rest is of the
+/// device's.
+class DeviceThread::Job {
+ public:
+  explicit Job(std::unique_ptr<FrameRenderer> renderer) : renderer_(std::move(renderer)) {}
+
+  void begin(const AssistTask& task) {
+    const std::lock_guard lock(mutex_);
+    wanted_ = task;
+    ++version_;
+    part_.reset();
+    lost_ = false;
+  }
+  std::optional<AssistPart> take() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(part_, std::nullopt);
+  }
+  bool waits() {
+    const std::lock_guard lock(mutex_);
+    return part_.has_value();
+  }
+  bool lost() const { return lost_; }
+  bool gone() const { return gone_; }
+  void leave() { gone_ = true; }
+
+  /// One turn; false when there is nothing to do.
+  bool turn(const std::atomic<bool>& stopping) {
+    if (!adopt()) return false;
+    PartQuestion question = asked();
+    if (!may_render(question)) return false;
+    const auto stop = [&] { return stopping || gone_ || version_ != applied_; };
+    auto samples = static_cast<std::uint32_t>(
+        per_sample_ > 0 ? std::clamp(kTurnSeconds / per_sample_, 1.0, kMostSamples) : 1);
+    samples += (held_ + samples) % 2;  // parts are of pairs
+    const auto batch = renderer_->render(samples, stop);
+    if (!batch) return fail();
+    held_ += batch->samples;
+    seconds_ += batch->seconds;
+    if (batch->samples > 0) {
+      const double now = batch->seconds / batch->samples;
+      per_sample_ = per_sample_ > 0 ? 0.6 * per_sample_ + 0.4 * now : now;
+    }
+    question = asked();
+    return part_due(question) && !stop() ? hand_over() : true;
+  }
+
+ private:
+  /// Takes a new task up; false when there is none at all, or it cannot be rendered.
+  bool adopt() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!wanted_) return false;
+      if (version_ == applied_) return !lost_;
+      current_ = *wanted_;
+      applied_ = version_;
+    }
+    held_ = delivered_ = 0;
+    seconds_ = 0;
+    since_ = Clock::now();
+    if (!renderer_->set_scene(*current_.scene, current_.canvas)) return fail();
+    if (!renderer_->set_share(current_.share)) return fail();
+    return true;
+  }
+
+  PartQuestion asked() { return {held_, delivered_, seconds_since(since_), cost_, !waits()}; }
+
+  bool hand_over() {
+    const auto begin = Clock::now();
+    AssistPart part;
+    const auto taken = renderer_->take_film(part.film);
+    if (!taken) return fail();
+    if (!*taken) return true;
+    part.epoch = current_.epoch;
+    part.sequence = current_.share.sequence;
+    part.seconds = seconds_;
+    part.bytes = part.film.pixels.size() * sizeof(PackedPixel);
+    delivered_ += held_;
+    held_ = 0;
+    seconds_ = 0;
+    cost_ = seconds_since(begin);
+    since_ = Clock::now();
+    const std::lock_guard lock(mutex_);
+    if (version_ == applied_) part_ = std::move(part);
+    return true;
+  }
+
+  bool fail() {
+    const std::lock_guard lock(mutex_);
+    if (version_ == applied_) lost_ = true;
+    return false;
+  }
+
+  std::mutex mutex_;
+  std::optional<AssistTask> wanted_;
+  std::atomic<std::uint64_t> version_{0};
+  std::optional<AssistPart> part_;
+  std::atomic<bool> lost_{false};
+  std::atomic<bool> gone_{false};
+
+  const std::unique_ptr<FrameRenderer> renderer_;
+  AssistTask current_;
+  std::uint64_t applied_ = 0;
+  std::uint64_t held_ = 0, delivered_ = 0;
+  double seconds_ = 0;     // of what is held
+  double per_sample_ = 0;  // 0: unknown
+  double cost_ = 0;        // of handing over
+  Clock::time_point since_{};
+};
+
+class DeviceThread::JobAssistant final : public Assistant {
+ public:
+  JobAssistant(DeviceThread& thread, std::shared_ptr<Job> job)
+      : thread_(thread), job_(std::move(job)) {}
+  ~JobAssistant() override {
+    job_->leave();
+    thread_.wake();
+  }
+  void begin(const AssistTask& task) override {
+    job_->begin(task);
+    thread_.wake();
+  }
+  std::optional<AssistPart> take(const AssistNews&) override {
+    auto part = job_->take();
+    if (part) thread_.wake();
+    return part;
+  }
+  bool lost() const override { return job_->lost(); }
+
+ private:
+  DeviceThread& thread_;
+  std::shared_ptr<Job> job_;
+};
+
+DeviceThread::DeviceThread() : thread_([this] { run(); }) {}
+
+DeviceThread::~DeviceThread() {
+  stopping_ = true;
+  wake();
+  thread_.join();
+}
+
+std::unique_ptr<Assistant> DeviceThread::assistant(std::unique_ptr<FrameRenderer> renderer) {
+  auto job = std::make_shared<Job>(std::move(renderer));
+  add(job);
+  return std::make_unique<JobAssistant>(*this, std::move(job));
+}
+
+void DeviceThread::add(std::shared_ptr<Job> job) {
+  {
+    const std::lock_guard lock(mutex_);
+    jobs_.push_back(std::move(job));
+    ++wakes_;
+  }
+  changed_.notify_one();
+}
+
+void DeviceThread::wake() {
+  {
+    const std::lock_guard lock(mutex_);
+    ++wakes_;
+  }
+  changed_.notify_one();
+}
+
+void DeviceThread::run() {
+  std::list<std::shared_ptr<Job>> leaving;  // destroyed outside the lock
+  std::vector<std::shared_ptr<Job>> jobs;
+  std::uint64_t seen = 0;
+  while (!stopping_) {
+    jobs.clear();
+    leaving.clear();
+    {
+      const std::lock_guard lock(mutex_);
+      seen = wakes_;
+      for (auto job = jobs_.begin(); job != jobs_.end();) {
+        const auto next = std::next(job);
+        if ((*job)->gone()) leaving.splice(leaving.end(), jobs_, job);
+        job = next;
+      }
+      jobs.assign(jobs_.begin(), jobs_.end());
+    }
+    bool busy = false;
+    for (const auto& job : jobs) busy |= job->turn(stopping_);
+    if (busy) continue;
+    jobs.clear();
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return wakes_ != seen; });
+  }
+}
+
+}  // namespace diaphane::render

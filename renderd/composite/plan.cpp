@@ -1,0 +1,145 @@
+#include "renderd/composite/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace diaphane::render {
+namespace {
+
+double pixels_of(Canvas canvas) { return double(canvas.width) * double(canvas.height); }
+
+/// Parts come in pairs of samples.
+constexpr double kPair = 2;
+
+/// Parts that an epoch of so many samples hands over on the way (part_due).
+double parts_for(double samples) {
+  return 1 + std::max(0.0, std::log(samples / kPair) / std::log(1.25));
+}
+
+}  // namespace
+
+void RowCosts::learn(std::uint32_t first, std::uint32_t last, std::uint32_t height, double seconds,
+                     double whole) {
+  if (!(seconds > 0) || !(whole > 0) || first >= last || last > height) return;
+  const double expected = share_of(first, last, height);
+  // Of one measurement not everything is believed.
+  const double off = std::clamp(seconds / whole / expected, 0.25, 4.0);
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    const double middle = (static_cast<double>(bin) + 0.5) / kBins * height;
+    if (middle < first || middle >= last) continue;
+    bins_[bin] = std::clamp(bins_[bin] * std::sqrt(off), 0.02, 50.0);
+  }
+  const double mean = std::accumulate(bins_.begin(), bins_.end(), 0.0) / kBins;
+  for (double& bin : bins_) bin /= mean;
+}
+
+double RowCosts::share_of(std::uint32_t first, std::uint32_t last, std::uint32_t height) const {
+  const double total = std::accumulate(bins_.begin(), bins_.end(), 0.0);
+  const double from = double(first) / height * kBins, to = double(last) / height * kBins;
+  double sum = 0;
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    const auto low = static_cast<double>(bin);
+    sum += bins_[bin] * std::max(0.0, std::min(to, low + 1) - std::max(from, low));
+  }
+  return sum / total;
+}
+
+std::vector<std::optional<Share>> plan_shares(Division division, Canvas canvas,
+                                              const std::vector<double>& speeds,
+                                              const RowCosts& costs, std::uint64_t sequence) {
+  std::vector<std::optional<Share>> shares(speeds.size());
+  const auto takes_part = [&](std::size_t d) { return speeds[d] > 0; };
+  if (division == Division::kAverage) {
+    std::uint32_t parts = 0;
+    for (std::size_t d = 0; d < speeds.size(); ++d) {
+      if (takes_part(d)) shares[d] = Share{.part = parts++, .parts = 1, .sequence = sequence};
+    }
+    for (auto& share : shares) {
+      if (share) share->parts = parts;
+    }
+    return shares;
+  }
+  const std::uint32_t units = (canvas.height + kShareRows - 1) / kShareRows;
+  double left = std::accumulate(speeds.begin(), speeds.end(), 0.0);
+  auto devices = static_cast<std::uint32_t>(
+      std::count_if(speeds.begin(), speeds.end(), [](double s) { return s > 0; }));
+  const auto row_of = [&](std::uint32_t unit) {
+    return std::min(unit * kShareRows, canvas.height);
+  };
+  std::uint32_t first = 0;
+  for (std::size_t d = 0; d < speeds.size() && first < units; ++d) {
+    if (!takes_part(d)) continue;
+    // Of the rows that are left, as much of the cost as its speed is of the speeds that are left.
+    const double wanted = costs.share_of(row_of(first), canvas.height, canvas.height) *
+                          std::min(1.0, speeds[d] / left);
+    const std::uint32_t others = --devices;
+    left -= speeds[d];
+    std::uint32_t last = first + 1;
+    const auto cost_to = [&](std::uint32_t unit) {
+      return costs.share_of(row_of(first), row_of(unit), canvas.height);
+    };
+    while (last < units && units - last > others &&
+           wanted - cost_to(last) > cost_to(last + 1) - wanted) {
+      ++last;
+    }
+    if (others == 0) last = units;
+    shares[d] = Share{.first_row = row_of(first), .last_row = row_of(last), .sequence = sequence};
+    first = last;
+  }
+  return shares;
+}
+
+DivisionGain predict(Division division, const DivisionQuestion& question) {
+  const double pixels = pixels_of(question.canvas);
+  const double speed = std::accumulate(question.speeds.begin(), question.speeds.end(), 0.0);
+  const double rendering = question.samples * pixels / speed;
+  const auto others = static_cast<double>(question.speeds.size() - 1);
+  if (others == 0) return {rendering, 0};
+  // Of all that is merged in one turn.
+  const double merged = division == Division::kAverage
+                            ? others * pixels
+                            : pixels * (1 - question.speeds.front() / speed);
+  const double each = question.samples / (division == Division::kAverage ? others + 1 : 1);
+  const double parts = parts_for(std::max(each, kPair));
+  const double moving = merged * sizeof(PackedPixel) / question.bytes_per_second;
+  const double merging = merged * question.merge_seconds;
+  double seconds = rendering + moving + parts * merging;
+  if (division == Division::kAverage) {
+    // The first part of a device is a pair of the whole picture: where fewer samples than those
+    // would do, it comes too late, and the first device is alone.
+    const double slowest = *std::min_element(question.speeds.begin() + 1, question.speeds.end());
+    const double first_part = kPair * pixels / slowest + moving + merging;
+    const double alone = question.samples * pixels / question.speeds.front();
+    seconds = std::min(alone, std::max(seconds, first_part));
+  } else {
+    const double first_part = kPair * pixels / speed + moving + merging;
+    seconds = std::max(seconds, first_part);
+  }
+  return {seconds, parts * merged * sizeof(PackedPixel)};
+}
+
+Division choose_division(const DivisionQuestion& question) {
+  if (question.speeds.size() < 2) return Division::kAverage;
+  for (const double speed : question.speeds) {
+    if (!(speed > 0)) return Division::kAverage;
+  }
+  // Less than a unit each is no division.
+  if (question.canvas.height < kShareRows * question.speeds.size()) return Division::kAverage;
+  const double average = predict(Division::kAverage, question).seconds;
+  const double tiles = predict(Division::kTiles, question).seconds;
+  return tiles < 0.9 * average ? Division::kTiles : Division::kAverage;
+}
+
+bool part_due(const PartQuestion& question) {
+  if (!question.room || question.held < 2) return false;
+  if (question.delivered == 0) return true;
+  if (question.seconds_since < 8 * question.seconds_cost) return false;
+  return 4 * question.held >= question.delivered || question.seconds_since >= 0.1;
+}
+
+bool may_render(const PartQuestion& question) {
+  return question.room || question.held < std::max<std::uint64_t>(question.delivered, 2);
+}
+
+}  // namespace diaphane::render
