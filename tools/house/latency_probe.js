@@ -1,45 +1,11 @@
-// Put into the viewer's page before its own scripts (benches/latency.py): notes when an input happened, when what was
+// Put into the viewer's page before its own scripts, after page_wire.js (benches/latency.py): notes when an input happened, when what was
 // sent and received for it passed the socket, and when the canvas showed it. Reads the wire and the pixels only; the
 // page knows nothing of it. All times are the page's, in milliseconds.
 (() => {
   const probe = { inputs: [], frames: [], acks: {}, codec: 0 };
   window.diaphaneProbe = probe;
 
-  // As much of Protobuf as is needed: calls `field(number, value)`, a number for a varint, bytes for a length.
-  const each_field = (bytes, field) => {
-    let at = 0;
-    const varint = () => {
-      let value = 0;
-      for (let scale = 1; ; scale *= 128) {
-        const byte = bytes[at++];
-        value += (byte & 127) * scale;
-        if (byte < 128) return value;
-      }
-    };
-    while (at < bytes.length) {
-      const key = varint();
-      const number = Math.floor(key / 8);
-      switch (key % 8) {
-        case 0:
-          field(number, varint());
-          break;
-        case 1:
-          at += 8;
-          break;
-        case 2: {
-          const length = varint();
-          field(number, bytes.subarray(at, at + length));
-          at += length;
-          break;
-        }
-        case 5:
-          at += 4;
-          break;
-        default:
-          throw new Error("not Protobuf");
-      }
-    }
-  };
+  const each_field = window.eachProtobufField;
   const numbers_of = (bytes, names) => {
     const found = Object.fromEntries(Object.values(names).map((name) => [name, 0]));
     each_field(bytes, (number, value) => {

@@ -143,7 +143,7 @@ export class ViewerSession {
       ack: (still, times, queue) => this.client_.ack(still, times, queue),
       now_ms,
     });
-    this.size_teller_ = new SizeTeller(this.viewport_, (told) => this.client_.set_viewport(told), { now_ms, after });
+    this.size_teller_ = new SizeTeller(this.viewport_, (size) => this.resized(size), { now_ms, after });
     if (before.scene) {
       this.client_.remember(before.scene, before.input_seq);
       this.scene.value = before.scene;
@@ -175,10 +175,9 @@ export class ViewerSession {
     if (visible) this.client_.wake();
   }
 
+  /** Of the canvas on the page; it keeps its pixels until a size has settled. */
   resize(size: Viewport): void {
-    this.viewport_ = within_bounds(size, longest_side);
-    this.painter_.resize(this.viewport_);
-    this.size_teller_.changed(this.viewport_);
+    this.size_teller_.changed(within_bounds(size, longest_side));
   }
 
   act(gesture: Gesture): void {
@@ -223,6 +222,13 @@ export class ViewerSession {
     const preset = this.active_preset() ?? this.presets.value[0];
     const pose = preset?.scene && camera_of(preset.scene);
     return pose ? fitted_to_aspect(pose, this.viewport_.width / this.viewport_.height) : null;
+  }
+
+  private resized(size: Viewport): void {
+    this.viewport_ = size;
+    this.painter_.resize(size);
+    this.lossless.value = null; // what is shown until the next picture is scaled
+    this.client_.set_viewport(size);
   }
 
   private set_scene(scene: Scene): void {

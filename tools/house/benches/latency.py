@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import random
 import statistics
 import tempfile
@@ -49,6 +50,8 @@ class Step:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--codec", choices=sorted(CODECS), action="append", help="only this one; may be given again")
+    parser.add_argument("--threads", type=int, default=max(1, (os.cpu_count() or 2) - 1), help="of the renderer on a CPU; "
+                        "the browser is on the same machine [default: all cores but one]")
     parser.add_argument("--max-error", default="0.5", help="where the worker stops refining: a small one keeps its device "
                         "busy between inputs [default 0.5: after the first pictures]")
 
@@ -57,7 +60,8 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     from playwright.sync_api import sync_playwright
 
     inputs = 60 if quick else 200
-    with running(DIAPHANE_MARK_FRAMES="1", DIAPHANE_MAX_ERROR=options.max_error) as stack, \
+    settings = {"DIAPHANE_MARK_FRAMES": "1", "DIAPHANE_MAX_ERROR": options.max_error, "DIAPHANE_THREADS": str(options.threads)}
+    with running(**settings) as stack, \
             tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         person = Person(stack)
         data_set = person.upload(cranium(stack, Path(folder)))
@@ -80,7 +84,8 @@ def _block(browser, stack: Stack, person: Person, data_set: str, codec: str, inp
         url = stack.settings.url
         context.add_cookies([{"name": c.name, "value": c.value, "url": url} for c in person.http.cookies.jar])
         context.add_init_script(f"localStorage.setItem('diaphane.codecs', '{codec}')")
-        context.add_init_script(path=paths.TOOLS / "house" / "latency_probe.js")
+        for script in ("page_wire.js", "latency_probe.js"):
+            context.add_init_script(path=paths.TOOLS / "house" / script)
         page = context.new_page()
         page.goto(f"{url}/view/{data_set}")
         page.wait_for_selector("canvas[data-samples]", timeout=30_000)
