@@ -40,6 +40,7 @@ export function chosen_codecs(storage: Pick<Storage, "getItem">): Codec[] | null
   return chosen.length > 0 ? chosen : null;
 }
 
+/** A broken driver may say nothing at all; then there is the next codec. The browser's own JPEG always answers. */
 const probe_limit_ms = 3000;
 /** Of 255: coding, 4:2:0 and rounding. A wrong matrix or range is off by 10 and more. */
 const colour_tolerance = 6;
@@ -65,7 +66,9 @@ async function decodes(codec: Codec): Promise<boolean> {
   try {
     decoder = make_decoder(codec);
     if (!decoder || !frame) return false;
-    const too_long = new Promise<never>((_, reject) => (timer = setTimeout(() => reject(new Error("too long")), probe_limit_ms)));
+    const too_long = new Promise<never>((_, reject) => {
+      if (codec !== Codec.JPEG) timer = setTimeout(() => reject(new Error("too long")), probe_limit_ms);
+    });
     const picture = await Promise.race([decoder.decode(frame), too_long]);
     const { width, height } = picture;
     const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });

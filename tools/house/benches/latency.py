@@ -9,6 +9,7 @@ import argparse
 import math
 import os
 import random
+import re
 import statistics
 import tempfile
 import time
@@ -33,7 +34,7 @@ REPEATS = 3
 
 @dataclass(frozen=True)
 class Step:
-    """One input on its way; milliseconds. `other` is what no stamp divides: sockets, edge, gateway, waiting for the device."""
+    """One input on its way; milliseconds. `other` is what no stamp divides: sockets, edge, gateway, the worker's waiting."""
 
     whole: float
     to_send: float
@@ -46,6 +47,20 @@ class Step:
     @property
     def without_render(self) -> float:
         return self.whole - self.render
+
+
+@dataclass(frozen=True)
+class Block:
+    """One page's inputs, and the worker's own mean from an input to its frame leaving."""
+
+    steps: list[Step]
+    worker_ms: float
+
+    def values(self, name: str) -> list[float]:
+        return [getattr(step, name) for step in self.steps]
+
+    def mean(self, *names: str) -> float:
+        return sum(statistics.fmean(self.values(name)) for name in names)
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -70,14 +85,14 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
         results: list[Result] = []
         for codec in options.codec or CODECS:
             blocks = [_block(browser, stack, person, data_set, codec, inputs, number) for number in range(REPEATS)]
-            results += _results(codec, [block for block in blocks if block])
+            results += _results(codec, [block for block in blocks if block is not None])
         browser.close()
     if not results:
         raise HouseError("no codec could be measured")
     return results
 
 
-def _block(browser, stack: Stack, person: Person, data_set: str, codec: str, inputs: int, seed: int) -> list[Step]:
+def _block(browser, stack: Stack, person: Person, data_set: str, codec: str, inputs: int, seed: int) -> Block | None:
     """A page of its own; nothing where it did not get that codec."""
     context = browser.new_context(viewport={"width": WIDTH, "height": HEIGHT})
     try:
@@ -91,24 +106,40 @@ def _block(browser, stack: Stack, person: Person, data_set: str, codec: str, inp
         page.wait_for_selector("canvas[data-samples]", timeout=30_000)
         if (got := page.evaluate("diaphaneProbe.codec")) != CODECS[codec]:
             say(f"{codec}: the page was given codec {got}")
-            return []
+            return None
+        count, total = _worker_times(stack)
         _drag(page, inputs, random.Random(seed))
-        return _steps(_all_shown(page))
+        steps = _steps(_all_shown(page))
+        count, total = (now - before for now, before in zip(_worker_times(stack), (count, total), strict=True))
+        return Block(steps, 1e3 * total / max(1, count))
     finally:
         context.close()
 
 
 def _drag(page, inputs: int, chance: random.Random) -> None:
-    """Round in a circle about the middle, at a hand's pace that keeps no step with the screen."""
+    """Round in a circle about the middle, at a hand's pace that keeps no step with the screen. The next movement comes when
+    the last is on the screen: on a device that renders slower than that, each would wait for the rendering of those before."""
     def at(n: int) -> tuple[float, float]:
         return WIDTH / 2 + 120 * math.cos(n / 9), HEIGHT / 2 + 90 * math.sin(n / 9)
 
     page.mouse.move(*at(0))
     page.mouse.down()
     for n in range(1, inputs + 1):
-        time.sleep(chance.uniform(0.045, 0.075))
+        time.sleep(chance.uniform(0.02, 0.06))
         page.mouse.move(*at(n))
+        deadline = time.monotonic() + 10
+        while page.evaluate("diaphaneProbe.inputs.filter((one) => one.shown > 0).length") < n and time.monotonic() < deadline:
+            time.sleep(0.01)
     page.mouse.up()
+
+
+def _worker_times(stack: Stack) -> tuple[float, float]:
+    """Number and sum, in seconds, of what the worker took from an input to its first frame."""
+    import httpx
+
+    text = httpx.get(f"http://127.0.0.1:{stack.ports['renderd-admin']}/metrics").text
+    found = dict(re.findall(r"^diaphane_renderd_input_to_frame_seconds_(count|sum)(?:\{[^}]*\})? (\S+)$", text, re.MULTILINE))
+    return float(found.get("count", 0)), float(found.get("sum", 0))
 
 
 def _all_shown(page) -> dict:
@@ -136,19 +167,23 @@ def _steps(probe: dict) -> list[Step]:
     return steps
 
 
-def _results(codec: str, blocks: list[list[Step]]) -> list[Result]:
+def _results(codec: str, blocks: list[Block]) -> list[Result]:
     if not blocks:
         return []
+    say(f"{codec}: {sum(len(block.steps) for block in blocks)} inputs")
 
-    def pick(name: str, percent: float) -> list[float]:
-        return [percentile([getattr(step, name) for step in block], percent) for block in blocks]
+    def shares(name: str, percent: float) -> list[float]:
+        return [percentile(block.values(name), percent) for block in blocks]
 
-    say(f"{codec}: {sum(map(len, blocks))} inputs")
-    parts = [("movement to socket", "to_send"), ("render", "render"), ("encode", "encode"),
-             ("sockets, edge, gateway, waiting", "other"), ("decode", "decode"), ("decoded to the screen's next picture", "present")]
-    return [result(f"{codec}: without render, p50", pick("without_render", 50), "ms", at_most=P50_MS),
-            result(f"{codec}: without render, p95", pick("without_render", 95), "ms", at_most=P95_MS),
-            result(f"{codec}: with render, p50", pick("whole", 50), "ms"),
-            result(f"{codec}: with render, p95", pick("whole", 95), "ms"),
-            *(result(f"{codec}:   {shown}, median", [statistics.median(getattr(s, name) for s in b) for b in blocks], "ms")
-              for shown, name in parts)]
+    means = [("movement to socket", [block.mean("to_send") for block in blocks]),
+             ("render", [block.mean("render") for block in blocks]),
+             ("encode", [block.mean("encode") for block in blocks]),
+             ("worker's waiting", [block.worker_ms - block.mean("render", "encode") for block in blocks]),
+             ("sockets, edge, gateway, both ways", [block.mean("render", "encode", "other") - block.worker_ms for block in blocks]),
+             ("decode", [block.mean("decode") for block in blocks]),
+             ("decoded to the screen's next picture", [block.mean("present") for block in blocks])]
+    return [result(f"{codec}: without render, p50", shares("without_render", 50), "ms", at_most=P50_MS),
+            result(f"{codec}: without render, p95", shares("without_render", 95), "ms", at_most=P95_MS),
+            result(f"{codec}: with render, p50", shares("whole", 50), "ms"),
+            result(f"{codec}: with render, p95", shares("whole", 95), "ms"),
+            *(result(f"{codec}:   {shown}, mean", values, "ms") for shown, values in means)]
