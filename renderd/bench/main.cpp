@@ -1,5 +1,6 @@
 // diaphane-renderd-bench: error against run time (convergence), how cost grows with volume and
-// picture (growth), the table of stiff cases (stability), the scheduler's policies (schedule).
+// picture (growth), the table of stiff cases (stability), the scheduler's policies (schedule), one
+// picture by several devices (many).
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +13,7 @@
 #include "renderd/bench/farm.h"
 #include "renderd/bench/growth.h"
 #include "renderd/bench/made_volume.h"
+#include "renderd/bench/many_command.h"
 #include "renderd/bench/schedule/schedule_command.h"
 #include "renderd/bench/stability.h"
 #include "renderd/bench/text.h"
@@ -295,8 +297,10 @@ int main(int argc, char** argv) {
     const auto* stability = add_stability(app, options);
     const auto* growth = add_growth(app, options);
     bench::ScheduleCommand schedule(app);
+    bench::ManyCommand many(app);
     CLI11_PARSE(app, argc, argv);
     if (schedule.chosen()) return schedule.run();
+    if (many.chosen()) return many.run();
     if (*growth) return run_growth(options);
     return *stability ? run_stability(options) : run(options);
   } catch (const std::exception& error) {

@@ -59,6 +59,14 @@ class CompositeEngine final : public Engine {
     return std::make_shared<CompositeVolume>(volume.id, std::move(copies));
   }
 
+  Result<std::unique_ptr<FrameRenderer>> of_first(const std::shared_ptr<const DeviceVolume>& volume,
+                                                  std::uint64_t seed, std::uint64_t first_sample,
+                                                  Method method) {
+    const auto ours = std::dynamic_pointer_cast<const CompositeVolume>(volume);
+    if (!ours) return fail(ErrorCode::kInternal, "the volume was loaded by another engine");
+    return devices_.front()->renderer(ours->copy(0), seed, first_sample, method);
+  }
+
  private:
   Result<std::unique_ptr<FrameRenderer>> make_renderer(std::shared_ptr<const DeviceVolume> volume,
                                                        std::uint64_t seed,
@@ -93,6 +101,15 @@ class CompositeEngine final : public Engine {
 std::unique_ptr<Engine> make_composite_engine(std::vector<std::unique_ptr<Engine>> devices,
                                               AssistSource* source, CompositeOptions options) {
   return std::make_unique<CompositeEngine>(std::move(devices), source, options);
+}
+
+Result<std::unique_ptr<FrameRenderer>> renderer_of_one_device(
+    Engine& engine, const std::shared_ptr<const DeviceVolume>& volume, std::uint64_t seed,
+    std::uint64_t first_sample, Method method) {
+  if (auto* composite = dynamic_cast<CompositeEngine*>(&engine)) {
+    return composite->of_first(volume, seed, first_sample, method);
+  }
+  return engine.renderer(volume, seed, first_sample, method);
 }
 
 }  // namespace diaphane::render

@@ -30,4 +30,10 @@ class AssistSource {
 std::unique_ptr<Engine> make_composite_engine(std::vector<std::unique_ptr<Engine>> devices,
                                               AssistSource* source, CompositeOptions options = {});
 
+/// For another worker's picture: of the first device alone, so that assistants ask nobody to assist
+/// them. `engine` may be any.
+Result<std::unique_ptr<FrameRenderer>> renderer_of_one_device(
+    Engine& engine, const std::shared_ptr<const DeviceVolume>& volume, std::uint64_t seed,
+    std::uint64_t first_sample, Method method);
+
 }  // namespace diaphane::render
