@@ -17,7 +17,7 @@ add_custom_command(OUTPUT cuda_kernel_sources.cpp
 
 # NVRTC itself is opened at run time: the header is all that is needed of it.
 diaphane_library(render_cuda
-  SOURCES cuda_acceleration.cpp cuda_acceleration_kernels.cu cuda_denoise.cpp cuda_denoise_kernels.cu cuda_engine.cpp cuda_error.cpp cuda_exact_kernel.cu cuda_exact_kernels.cu cuda_exact_path.cpp cuda_exact_scratch.cpp cuda_film.cpp cuda_film_kernels.cu cuda_kernel_cache.cpp
+  SOURCES cuda_acceleration.cpp cuda_acceleration_kernels.cu cuda_denoise.cpp cuda_denoise_kernels.cu cuda_engine.cpp cuda_error.cpp cuda_exact_kernel.cu cuda_exact_kernels.cu cuda_exact_path.cpp cuda_exact_scratch.cpp cuda_film.cpp cuda_film_kernels.cu cuda_kernel_cache.cpp cuda_memory.cpp
           cuda_nvrtc.cpp cuda_renderer.cpp cuda_trace_kernel.cu cuda_variants.cpp cuda_volume.cpp
           ${CMAKE_CURRENT_BINARY_DIR}/cuda_kernel_sources.cpp
   PUBLIC common volume proto render_scene render_film render_kernel

@@ -51,9 +51,7 @@ Result<void> CudaDenoiser::run(DenoiseWork w, float scale, std::uint8_t* rgb, fl
   DIAPHANE_CUDA_TRY(denoise(w, scale, rgb_here, radiance_here, stream));
   DIAPHANE_CUDA_TRY(cudaEventRecord(end_->get(), stream));
   const std::size_t numbers = std::size_t{3} * width * height;
-  if (rgb != nullptr) {
-    DIAPHANE_CUDA_TRY(cudaMemcpyAsync(rgb, rgb_here, numbers, cudaMemcpyDeviceToHost, stream));
-  }
+  if (rgb != nullptr) DIAPHANE_TRY(read_back(rgb, rgb_here, numbers, stream));
   if (radiance != nullptr) {
     DIAPHANE_CUDA_TRY(cudaMemcpyAsync(radiance, radiance_here, numbers * sizeof(float),
                                       cudaMemcpyDeviceToHost, stream));

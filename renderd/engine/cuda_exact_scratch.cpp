@@ -9,7 +9,7 @@ std::uint64_t tiles_for(std::uint64_t items) { return (items + kTilePixels - 1) 
 
 }  // namespace
 
-std::uint64_t ExactWorkspace::room(const ExactNeeds& needs) const {
+std::uint64_t ExactMemory::room(const ExactNeeds& needs) const {
   if (counters_.data() == nullptr) return 0;
   std::uint64_t items = std::min<std::uint64_t>(items_.capacity(), kTilePixels * tiles_.capacity());
   items = std::min<std::uint64_t>(items, hits_.capacity() / needs.strata());
@@ -19,7 +19,7 @@ std::uint64_t ExactWorkspace::room(const ExactNeeds& needs) const {
   return items;
 }
 
-Result<void> ExactWorkspace::grow(const ExactNeeds& needs, std::uint64_t items) {
+Result<void> ExactMemory::grow(const ExactNeeds& needs, std::uint64_t items) {
   if (!used_) {
     auto event = Event::make();
     if (!event) return tl::unexpected(event.error());
@@ -32,9 +32,8 @@ Result<void> ExactWorkspace::grow(const ExactNeeds& needs, std::uint64_t items) 
   return needs.glow ? ensure(glow_, items * needs.light_strata) : Result<void>{};
 }
 
-Result<std::uint64_t> ExactWorkspace::reserve(const ExactNeeds& needs, std::uint64_t items,
-                                              std::uint64_t least) {
-  const std::scoped_lock lock(mutex_);
+Result<std::uint64_t> ExactMemory::reserve(const ExactNeeds& needs, std::uint64_t items,
+                                           std::uint64_t least) {
   if (room(needs) >= items) return items;
   std::size_t free = 0, total = 0;
   DIAPHANE_CUDA_TRY(cudaMemGetInfo(&free, &total));
@@ -52,24 +51,65 @@ Result<std::uint64_t> ExactWorkspace::reserve(const ExactNeeds& needs, std::uint
   return std::min(room(needs), items);
 }
 
-Result<void> ExactWorkspace::use(const ExactNeeds& needs, std::uint64_t items, cudaStream_t stream,
-                                 const Launch& launch) {
-  const std::scoped_lock lock(mutex_);
-  const ExactScratch scratch{.items = items_.data(),
-                             .tiles = tiles_.data(),
-                             .hits = hits_.data(),
-                             .glow = needs.glow ? glow_.data() : nullptr,
-                             .counters = counters_.data(),
-                             .onwards = static_cast<std::uint32_t>(items * needs.light_strata)};
+ExactScratch ExactMemory::scratch(const ExactNeeds& needs, std::uint64_t items) const {
+  return {.items = items_.data(),
+          .tiles = tiles_.data(),
+          .hits = hits_.data(),
+          .glow = needs.glow ? glow_.data() : nullptr,
+          .counters = counters_.data(),
+          .onwards = static_cast<std::uint32_t>(items * needs.light_strata)};
+}
+
+std::uint64_t ExactMemory::bytes() const {
+  return items_.bytes() + tiles_.bytes() + hits_.bytes() + glow_.bytes() + counters_.bytes();
+}
+
+Result<void> ExactMemory::take(cudaStream_t stream) {
   DIAPHANE_CUDA_TRY(cudaStreamWaitEvent(stream, used_->get(), 0));
-  DIAPHANE_CUDA_TRY(launch(scratch));
+  return {};
+}
+
+Result<void> ExactMemory::give(cudaStream_t stream) {
+  last_ = stream;
   DIAPHANE_CUDA_TRY(cudaEventRecord(used_->get(), stream));
   return {};
 }
 
+bool ExactMemory::idle() const { return !used_ || cudaEventQuery(used_->get()) == cudaSuccess; }
+
+Result<std::uint64_t> ExactWorkspace::reserve(const ExactNeeds& needs, std::uint64_t items,
+                                              std::uint64_t least) {
+  const std::scoped_lock lock(mutex_);
+  return memories_[0].reserve(needs, items, least);
+}
+
+// Its own of the last time, or one that nobody uses; else the second, where it can be had.
+ExactMemory& ExactWorkspace::chosen(const ExactNeeds& needs, std::uint64_t items,
+                                    cudaStream_t stream) {
+  auto& [first, second] = memories_;
+  const bool second_serves = second.room(needs) >= items;
+  if (first.last() == stream || first.idle()) return first;
+  if (second_serves && (second.last() == stream || second.idle())) return second;
+  if (second_serves) return (turns_++ & 1) != 0 ? second : first;
+  if (items >= refused_) return first;
+  const auto made = second.reserve(needs, items, items);
+  if (made && *made >= items) return second;
+  refused_ = items;
+  return first;
+}
+
+Result<void> ExactWorkspace::use(const ExactNeeds& needs, std::uint64_t items, cudaStream_t stream,
+                                 const Launch& launch) {
+  const std::scoped_lock lock(mutex_);
+  ExactMemory& memory = chosen(needs, items, stream);
+  DIAPHANE_TRY(memory.take(stream));
+  DIAPHANE_CUDA_TRY(launch(memory.scratch(needs, items)));
+  return memory.give(stream);
+}
+
 std::uint64_t ExactWorkspace::device_bytes() const {
   const std::scoped_lock lock(mutex_);
-  return items_.bytes() + tiles_.bytes() + hits_.bytes() + glow_.bytes() + counters_.bytes();
+  return memories_[0].bytes() + memories_[1].bytes();
 }
 
 }  // namespace diaphane::render::cuda

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <optional>
 
@@ -26,8 +28,36 @@ struct ExactNeeds {
 /// it, and so the bits of a picture: a constant. Some 300 bytes each.
 inline constexpr std::uint64_t kExactItems = std::uint64_t{1} << 19;
 
-/// Working memory of the exact walk, one for all sessions of a device: they take turns on the
-/// device, each in a stream of its own. Only grows, while there is a session.
+/// Working memory of one launch of the exact walk. Not thread-safe. Only grows.
+class ExactMemory {
+ public:
+  /// As ExactWorkspace::reserve().
+  Result<std::uint64_t> reserve(const ExactNeeds& needs, std::uint64_t items, std::uint64_t least);
+  /// Items that there is room for.
+  std::uint64_t room(const ExactNeeds& needs) const;
+  ExactScratch scratch(const ExactNeeds& needs, std::uint64_t items) const;
+  std::uint64_t bytes() const;
+
+  /// `stream` goes on once what used the memory before has ended.
+  Result<void> take(cudaStream_t stream);
+  Result<void> give(cudaStream_t stream);
+  cudaStream_t last() const { return last_; }
+  bool idle() const;
+
+ private:
+  Result<void> grow(const ExactNeeds& needs, std::uint64_t items);
+
+  DeviceBuffer<ExactItem> items_;
+  DeviceBuffer<TileHits> tiles_;
+  DeviceBuffer<HitRecord> hits_;
+  DeviceBuffer<Float4> glow_;
+  DeviceBuffer<std::uint32_t> counters_;
+  std::optional<Event> used_;  ///< after the last use
+  cudaStream_t last_ = nullptr;
+};
+
+/// Working memory of the exact walk for all sessions of a device, each in a stream of its own.
+/// There are two: one session's camera rays are walked while another's last rays to the lights are.
 class ExactWorkspace {
  public:
   using Launch = std::function<cudaError_t(const ExactScratch&)>;
@@ -37,22 +67,18 @@ class ExactWorkspace {
   Result<std::uint64_t> reserve(const ExactNeeds& needs, std::uint64_t items, std::uint64_t least);
 
   /// Has `launch`, of no more items than were reserved, queue its work on `stream`, behind all that
-  /// used the memory before.
+  /// used the same memory before.
   Result<void> use(const ExactNeeds& needs, std::uint64_t items, cudaStream_t stream,
                    const Launch& launch);
   std::uint64_t device_bytes() const;
 
  private:
-  std::uint64_t room(const ExactNeeds& needs) const;
-  Result<void> grow(const ExactNeeds& needs, std::uint64_t items);
+  ExactMemory& chosen(const ExactNeeds& needs, std::uint64_t items, cudaStream_t stream);
 
   mutable std::mutex mutex_;
-  DeviceBuffer<ExactItem> items_;
-  DeviceBuffer<TileHits> tiles_;
-  DeviceBuffer<HitRecord> hits_;
-  DeviceBuffer<Float4> glow_;
-  DeviceBuffer<std::uint32_t> counters_;
-  std::optional<Event> used_;  ///< after the last use
+  std::array<ExactMemory, 2> memories_;  ///< the second only once two sessions launched at once
+  std::uint64_t refused_ = std::numeric_limits<std::uint64_t>::max();  ///< items, for the second
+  std::uint64_t turns_ = 0;
 };
 
 }  // namespace diaphane::render::cuda

@@ -34,9 +34,23 @@ std::uint64_t CudaFilm::device_bytes() const {
          tiles_.bytes() + display_.bytes() + (packed_.data() == nullptr ? 0 : packed_.bytes());
 }
 
+bool CudaFilm::holds(Canvas canvas) const {
+  return std::uint64_t{canvas.width} * canvas.height <= state_.capacity();
+}
+
+void CudaFilm::reshape(Canvas canvas) {
+  canvas_ = canvas;
+  rows_ = RowCounts(canvas.height);
+}
+
 Result<void> CudaFilm::keep_guides(bool wanted) {
-  if (!wanted) guides_ = {};
-  return wanted ? ensure(guides_, pixels()) : Result<void>{};
+  guided_ = false;
+  if (wanted) {
+    if (guides_.data() == nullptr) display_ = {};  // their memory serves for both
+    DIAPHANE_TRY(ensure(guides_, pixels()));
+  }
+  guided_ = wanted;
+  return {};
 }
 
 Result<void> CudaFilm::clear(cudaStream_t stream) {
@@ -44,14 +58,11 @@ Result<void> CudaFilm::clear(cudaStream_t stream) {
   rows_ = RowCounts(canvas_.height);
   taken_ = 0;
   merged_.clear();
-  DIAPHANE_CUDA_TRY(cudaMemsetAsync(sum_.data(), 0, sum_.bytes(), stream));
-  DIAPHANE_CUDA_TRY(cudaMemsetAsync(difference_.data(), 0, difference_.bytes(), stream));
-  DIAPHANE_CUDA_TRY(cudaMemsetAsync(state_.data(), 0, state_.bytes(), stream));
-  DIAPHANE_CUDA_TRY(cudaMemsetAsync(dropped_.data(), 0, dropped_.bytes(), stream));
-  if (guides_.data() != nullptr) {
-    DIAPHANE_CUDA_TRY(cudaMemsetAsync(guides_.data(), 0, guides_.bytes(), stream));
-  }
-  return {};
+  DIAPHANE_TRY(zero(sum_, 3 * pixels(), stream));
+  DIAPHANE_TRY(zero(difference_, 3 * pixels(), stream));
+  DIAPHANE_TRY(zero(state_, pixels(), stream));
+  DIAPHANE_TRY(zero(dropped_, 1, stream));
+  return guided_ ? zero(guides_, pixels(), stream) : Result<void>{};
 }
 
 std::uint64_t CudaFilm::samples_of(std::uint32_t row) const {
@@ -173,11 +184,14 @@ Result<double> CudaFilm::error(cudaStream_t stream) const {
 }
 
 Result<void> CudaFilm::display(float scale, std::uint8_t* rgb, cudaStream_t stream) const {
-  DIAPHANE_TRY(ensure(display_, 3 * pixels()));
+  static_assert(sizeof(PackedGuides) >= 3);
+  const bool beside = guided_ || guides_.data() == nullptr || guides_.capacity() < pixels();
+  if (beside) DIAPHANE_TRY(ensure(display_, 3 * pixels()));
+  auto* picture_here = beside ? display_.data() : reinterpret_cast<std::uint8_t*>(guides_.data());
   const auto film = picture(stream);
   if (!film) return tl::unexpected(film.error());
-  DIAPHANE_CUDA_TRY(display_film(*film, scale, display_.data(), stream));
-  return download(rgb, display_, 3 * pixels(), stream);
+  DIAPHANE_CUDA_TRY(display_film(*film, scale, picture_here, stream));
+  return read_back(rgb, picture_here, 3 * pixels(), stream);
 }
 
 Result<void> CudaFilm::radiance(float* rgb, cudaStream_t stream) const {

@@ -20,6 +20,11 @@ namespace diaphane::render::cuda {
 class CudaFilm {
  public:
   static Result<CudaFilm> make(Canvas canvas);
+  /// Whether reshape() can make it one of `canvas`.
+  bool holds(Canvas canvas) const;
+  /// To be cleared next; nothing may use it any more. No memory is allocated or freed, which would
+  /// hold up every session of the device.
+  void reshape(Canvas canvas);
 
   Canvas canvas() const { return canvas_; }
   std::uint64_t pixels() const { return std::uint64_t{canvas_.width} * canvas_.height; }
@@ -31,7 +36,8 @@ class CudaFilm {
   std::uint32_t first_row() const { return first_row_; }
   std::uint64_t device_bytes() const;
 
-  /// Whether guides are kept from the next clear() on: 6 bytes a pixel.
+  /// Whether guides are kept from the next clear() on: 6 bytes a pixel, which then stay, and hold
+  /// the picture that is displayed while no guides are kept.
   Result<void> keep_guides(bool wanted);
   /// Also makes the share the whole.
   Result<void> clear(cudaStream_t stream);
@@ -40,10 +46,12 @@ class CudaFilm {
   Result<bool> take(FilmPart& out, cudaStream_t stream);
   Result<void> merge(const FilmPart& part, cudaStream_t stream);
   TraceTarget target() const {
-    return {{sum_.data(), difference_.data(), state_.data()}, dropped_.data(), guides_.data()};
+    return {{sum_.data(), difference_.data(), state_.data()},
+            dropped_.data(),
+            guided_ ? guides_.data() : nullptr};
   }
   /// Null when none are kept.
-  const PackedGuides* guides() const { return guides_.data(); }
+  const PackedGuides* guides() const { return guided_ ? guides_.data() : nullptr; }
   /// What to trace next (rows from first_row() on), and that a launch which does its first `rows`
   /// rows is queued.
   RowCounts::Piece next(std::uint64_t target, std::uint32_t most) const {
@@ -90,6 +98,7 @@ class CudaFilm {
   DeviceBuffer<std::uint32_t> state_;
   DeviceBuffer<std::uint64_t> dropped_;
   DeviceBuffer<PackedGuides> guides_;
+  bool guided_ = false;
   // Made when first needed; no part of what the film is.
   mutable DeviceBuffer<std::uint64_t> by_stripe_;
   mutable DeviceBuffer<std::uint64_t> counts_;  ///< kWhiteCounts

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 namespace diaphane::render::cuda {
@@ -23,8 +22,9 @@ class LaunchSize {
     most_cost = std::max(most_cost, 1.0);
     work_ = std::max<std::uint64_t>(static_cast<std::uint64_t>(kFirst / most_cost), 1);
     // Rows of background say nothing of the dense ones below them, so growth has a bound until all
-    // were seen: the more the longer paths may be.
-    unseen_most_ = most_cost > 1 ? 4 * kFirst / std::sqrt(most_cost) : kLargest;
+    // were seen, and a low one where paths may be very long.
+    const double longest = most_cost / kManyCollisions;
+    unseen_most_ = most_cost > 1 ? 4 * kFirst / std::max(longest * longest, 1.0) : kLargest;
     pixels_ = unseen_ = std::max<std::uint64_t>(pixels, 1);
     fits_all_ = fits_seen_ = kLargest;
   }
@@ -33,7 +33,9 @@ class LaunchSize {
   /// costly one of the last time that the whole picture was gone over. Grows at most fourfold.
   void learn(std::uint64_t work, double ms) {
     const double fits = ms > 0 ? static_cast<double>(work) * kTargetMs / ms : kLargest;
-    fits_seen_ = std::min(fits_seen_, fits);
+    // A short one of little work takes as long as its longest path, whatever its size.
+    const bool telling = ms >= kTargetMs / 4 || static_cast<double>(work) >= kFirst / 16;
+    if (telling) fits_seen_ = std::min(fits_seen_, fits);
     const double most = std::min(4 * static_cast<double>(work_), unseen_most_);
     work_ = static_cast<std::uint64_t>(
         std::clamp(std::min(fits, fits_all_), 1.0, std::clamp(most, 1.0, kLargest)));
@@ -55,6 +57,7 @@ class LaunchSize {
 
  private:
   static constexpr double kFirst = 1 << 18;
+  static constexpr double kManyCollisions = 128;
   static constexpr double kLargest = 1e12;
   std::uint64_t work_ = static_cast<std::uint64_t>(kFirst);
   std::uint64_t pixels_ = 1, unseen_ = 1;  // of the picture; of it, in this turn

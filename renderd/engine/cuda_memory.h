@@ -3,6 +3,7 @@
 #include <cuda_runtime_api.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -99,6 +100,17 @@ Result<void> download(T* to, const DeviceBuffer<T>& from, std::size_t count, cud
   DIAPHANE_CUDA_TRY(
       cudaMemcpyAsync(to, from.data(), count * sizeof(T), cudaMemcpyDeviceToHost, stream));
   DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream));
+  return {};
+}
+
+/// As download(), of a whole picture: by way of memory that the device writes itself, several times
+/// as fast as into what was given.
+Result<void> read_back(std::uint8_t* to, const std::uint8_t* from, std::size_t bytes,
+                       cudaStream_t stream);
+
+template <typename T>
+Result<void> zero(const DeviceBuffer<T>& buffer, std::size_t count, cudaStream_t stream) {
+  DIAPHANE_CUDA_TRY(cudaMemsetAsync(buffer.data(), 0, count * sizeof(T), stream));
   return {};
 }
 

@@ -117,7 +117,7 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   auto larger = grown_tables(*prepared);
   if (!larger) return tl::unexpected(larger.error());
   std::optional<CudaFilm> film;
-  if (!film_ || film_->canvas() != canvas) {
+  if (!film_ || !film_->holds(canvas)) {
     auto made = CudaFilm::make(canvas);
     if (!made) return tl::unexpected(made.error());
     film = std::move(*made);
@@ -147,6 +147,7 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
     tables_.texture_rows = {};
   }
   if (film) film_ = std::move(film);
+  film_->reshape(canvas);
   DIAPHANE_TRY(upload_tables(*prepared));
   // Without memory for guides the pictures are raw, no more.
   if (!film_->keep_guides(guided_)) DIAPHANE_TRY(film_->keep_guides(false));
@@ -162,6 +163,7 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   const std::uint32_t paths = exact_ ? exact_->paths() : 1;
   launch_size_.forget(1 + paths * (prepared_.bounces - 1) / 8.0,
                       std::uint64_t{canvas.width} * canvas.height);
+  launch_milliseconds_ = 0;
   seconds_ = 0;
   dropped_ = 0;
   error_samples_ = 0;
@@ -197,12 +199,16 @@ Result<void> CudaRenderer::note_launch(Flight& flight, std::uint64_t work) {
   flight.work[flight.launched % flight.work.size()] = work;
   ++flight.launched;
   DIAPHANE_CUDA_TRY(cudaEventRecord(event(flight.launched), stream_.get()));
-  if (flight.launched < kAhead) return {};
-  const std::size_t oldest = flight.launched - kAhead;
-  DIAPHANE_CUDA_TRY(cudaEventSynchronize(event(oldest + 1)));
-  float ms = 0;
-  DIAPHANE_CUDA_TRY(cudaEventElapsedTime(&ms, event(oldest), event(oldest + 1)));
-  launch_size_.learn(flight.work[oldest % flight.work.size()], static_cast<double>(ms));
+  // Long ones are not queued behind each other: whoever stops waits for all of them.
+  const std::size_t ahead = launch_milliseconds_ > LaunchSize::kTargetMs ? 1 : kAhead;
+  while (flight.launched - flight.seen >= ahead) {
+    const std::size_t oldest = flight.seen++;
+    DIAPHANE_CUDA_TRY(cudaEventSynchronize(event(oldest + 1)));
+    float ms = 0;
+    DIAPHANE_CUDA_TRY(cudaEventElapsedTime(&ms, event(oldest), event(oldest + 1)));
+    launch_milliseconds_ = static_cast<double>(ms);
+    launch_size_.learn(flight.work[oldest % flight.work.size()], launch_milliseconds_);
+  }
   return {};
 }
 
@@ -305,14 +311,17 @@ Progress CudaRenderer::progress() const {
   use_device();
   progress.samples = film_->samples();
   progress.seconds = seconds_;
-  if (error_samples_ != progress.samples) {
+  // Anew with each eighth more: a tenth of the time of a short quantum goes into it.
+  if (error_samples_ == 0 || progress.samples >= error_samples_ + (error_samples_ + 7) / 8) {
     // A device that is lost here says so at the next call that can.
     const auto error = film_->error(stream_.get());
     if (!error) return progress;
     error_samples_ = progress.samples;
     error_ = *error;
   }
-  if (progress.samples > 0) progress.error = error_;
+  if (progress.samples > 0) {
+    progress.error = error_ * std::sqrt(double(error_samples_) / double(progress.samples));
+  }
   return progress;
 }
 
@@ -346,10 +355,10 @@ float CudaRenderer::fade() {
   if (film_->guides() == nullptr || film_->samples() == 0) return 0;
   const float fade = denoiser_fade(progress().error);
   if (!(fade > 0)) {
-    // Nothing may write them any more.
+    // Nothing writes them any more.
     guided_variant_ = nullptr;
     denoiser_ = nullptr;
-    if (cudaStreamSynchronize(stream_.get()) == cudaSuccess) (void)film_->keep_guides(false);
+    (void)film_->keep_guides(false);
   }
   return fade;
 }

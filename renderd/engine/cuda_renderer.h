@@ -68,7 +68,7 @@ class CudaRenderer : public FrameRenderer {
   };
   /// The launches of one call, to measure them and to wait for the oldest when there are enough.
   struct Flight {
-    std::size_t launched = 0;
+    std::size_t launched = 0, seen = 0;
     std::array<std::uint64_t, kAhead + 1> work{};
   };
 
@@ -121,6 +121,7 @@ class CudaRenderer : public FrameRenderer {
   std::shared_ptr<const Variant> variant_;
   std::shared_ptr<const Variant> guided_variant_;  ///< of the first kGuidedSamples, with guides
   LaunchSize launch_size_;
+  double launch_milliseconds_ = 0;  ///< of the last that was measured
   double seconds_ = 0;
   std::uint64_t dropped_ = 0;
   /// The error costs two small kernels: estimated when somebody asks, once per number of samples.

@@ -34,7 +34,7 @@ std::vector<Quantum> ErrorProportional::next(std::span<const SessionView> sessio
   }
   if (!winner) return {};
   ++draws_;
-  return {{winner->session, quantum_samples(*winner, limits_)}};
+  return {{winner->session, quantum_samples(*winner, limits_for(sessions, limits_))}};
 }
 
 }  // namespace diaphane::render

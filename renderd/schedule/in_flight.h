@@ -12,18 +12,26 @@ class InFlight {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
+  /// `fill`: of its samples; a picture of what is there takes none, and has no rendered().
   void begin(double fill, Time now) {
     pass(now);
     ++count_;
+    if (fill > 0) ++rendering_;
     filled_ += fill;
   }
-  void end(double fill, Time now) {
+  /// Its samples are there; what else it does takes next to nothing of the device.
+  void rendered(double fill, Time now) {
+    pass(now);
+    --rendering_;
+    filled_ = rendering_ == 0 ? 0 : std::max(filled_ - fill, 0.0);
+  }
+  void end(Time now) {
     pass(now);
     --count_;
-    filled_ = count_ == 0 ? 0 : std::max(filled_ - fill, 0.0);
   }
 
   std::size_t count() const { return count_; }
+  std::size_t rendering() const { return rendering_; }
   double filled() const { return filled_; }
 
   /// Integral of `filled` over time until `now`, seconds: between two of its values lies how full
@@ -47,7 +55,7 @@ class InFlight {
   }
 
   Time at_{};
-  std::size_t count_ = 0;
+  std::size_t count_ = 0, rendering_ = 0;
   double filled_ = 0, fill_seconds_ = 0, busy_seconds_ = 0;
 };
 
@@ -55,7 +63,8 @@ class InFlight {
 /// that a device which `queues` goes on while the host deals with the end of the one before it. The
 /// CPU does not: its threads are the host's.
 inline bool room_for_another(const InFlight& in_flight, bool queues) {
-  return in_flight.count() == 0 || in_flight.filled() < 1 || (queues && in_flight.count() < 2);
+  if (!queues) return in_flight.count() == 0 || in_flight.filled() < 1;
+  return in_flight.filled() < 1 || in_flight.rendering() < 2;
 }
 
 /// The share of a quantum's seconds that it would have taken alone, when the device was `mean` full

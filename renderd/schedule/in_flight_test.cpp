@@ -15,6 +15,8 @@ TEST(InFlight, AFullDeviceHasOneMoreWaitingBehindAndAnEmptyOneTakesMany) {
   EXPECT_TRUE(room_for_another(device, true));
   device.begin(1, kStart);
   EXPECT_FALSE(room_for_another(device, true));
+  device.rendered(1, kStart);
+  EXPECT_TRUE(room_for_another(device, true)) << "its picture is no reason to wait";
   InFlight small;
   int taken = 0;
   for (; room_for_another(small, true); ++taken) small.begin(0.3, kStart);
@@ -27,7 +29,7 @@ TEST(InFlight, ADeviceWithoutAQueueIsFilledAndNoMore) {
   EXPECT_TRUE(room_for_another(device, false));
   device.begin(0.6, kStart);
   EXPECT_FALSE(room_for_another(device, false));
-  device.end(0.6, kStart + milliseconds(1));
+  device.rendered(0.6, kStart + milliseconds(1));
   EXPECT_TRUE(room_for_another(device, false));
 }
 
@@ -35,11 +37,13 @@ TEST(InFlight, TimeIsBusyWhileAnythingIsUnderWayAndFullBySum) {
   InFlight device;
   device.begin(1, kStart);
   device.begin(0.5, kStart + milliseconds(10));
-  device.end(1, kStart + milliseconds(20));
-  device.end(0.5, kStart + milliseconds(40));
+  device.rendered(1, kStart + milliseconds(20));
+  device.end(kStart + milliseconds(20));
+  device.rendered(0.5, kStart + milliseconds(30));
+  device.end(kStart + milliseconds(40));
   const auto later = kStart + milliseconds(100);
   EXPECT_NEAR(device.busy_seconds(later), 0.040, 1e-12);
-  EXPECT_NEAR(device.fill_seconds(later), 0.010 + 0.015 + 0.010, 1e-12);
+  EXPECT_NEAR(device.fill_seconds(later), 0.010 + 0.015 + 0.005, 1e-12);
   EXPECT_EQ(device.filled(), 0);
 }
 

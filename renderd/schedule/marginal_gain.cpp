@@ -110,7 +110,7 @@ std::vector<Quantum> MarginalGain::next(std::span<const SessionView> sessions) {
   if (!best.session) return {};
   // The first pictures of drags share what one alone would take. One that will stay is worth its
   // second sample, which tells its error.
-  QuantumLimits limits = options_.limits;
+  QuantumLimits limits = limits_for(sessions, options_.limits);
   if (best.session->seconds_since_input < options_.moving_seconds) {
     limits.first_seconds /= static_cast<double>(std::max<std::size_t>(load.moving, 1));
   }

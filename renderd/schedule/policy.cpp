@@ -9,6 +9,13 @@
 
 namespace diaphane::render {
 
+namespace {
+
+/// Whoever drags goes on for longer than this as a rule, or comes back.
+constexpr double kCalmAfterSeconds = 0.5;
+
+}  // namespace
+
 bool gains(const SessionView& session) {
   // An unknown error is infinite or NaN: neither is below the target.
   return session.visible && !(session.error <= session.target_error);
@@ -20,6 +27,15 @@ std::uint32_t samples_within(double seconds, double seconds_per_sample, std::uin
   if (!(seconds_per_sample > 0)) return 1;
   const double fitting = std::min(seconds / seconds_per_sample, static_cast<double>(most));
   return std::max<std::uint32_t>(static_cast<std::uint32_t>(fitting), 1);
+}
+
+QuantumLimits limits_for(std::span<const SessionView> sessions, const QuantumLimits& limits) {
+  for (const SessionView& session : sessions) {
+    if (session.visible && session.seconds_since_input < kCalmAfterSeconds) return limits;
+  }
+  QuantumLimits calm = limits;
+  calm.quantum_seconds = std::max(limits.quantum_seconds, limits.calm_seconds);
+  return calm;
 }
 
 std::uint32_t quantum_samples(const SessionView& session, const QuantumLimits& limits) {

@@ -58,6 +58,9 @@ bool waits(const SessionView& session);
 /// longer.
 struct QuantumLimits {
   double quantum_seconds = 0.002;
+  /// While nobody moves: fewer of them, with less between them. The first input of a gesture may
+  /// wait for two of these.
+  double calm_seconds = 0.008;
   /// Of the first of an epoch: a fast device shows a better picture before anybody notices.
   double first_seconds = 0.002;
   /// Doublings of the sample count are not jumped over (a frame is shown at each), but for quanta
@@ -68,6 +71,8 @@ struct QuantumLimits {
 
 /// As many samples as fit `seconds`, at least one, at most `most`; one while the cost is unknown.
 std::uint32_t samples_within(double seconds, double seconds_per_sample, std::uint64_t most);
+/// `limits` where nobody has moved for a moment: calm ones.
+QuantumLimits limits_for(std::span<const SessionView> sessions, const QuantumLimits& limits);
 /// The samples of a session's next quantum under `limits`.
 std::uint32_t quantum_samples(const SessionView& session, const QuantumLimits& limits);
 

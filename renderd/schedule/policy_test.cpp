@@ -27,6 +27,17 @@ TEST(Policies, AnUnknownErrorIsNotConverged) {
   EXPECT_FALSE(gains(session));
 }
 
+TEST(Quanta, AreLongerWhereNobodyHasMovedForAMoment) {
+  SessionView still, moving;
+  still.seconds_since_input = 10;
+  moving.seconds_since_input = 0.1;
+  const QuantumLimits limits;
+  EXPECT_GT(limits_for(std::vector{still, still}, limits).quantum_seconds, limits.quantum_seconds);
+  EXPECT_EQ(limits_for(std::vector{still, moving}, limits).quantum_seconds, limits.quantum_seconds);
+  moving.visible = false;
+  EXPECT_GT(limits_for(std::vector{still, moving}, limits).quantum_seconds, limits.quantum_seconds);
+}
+
 TEST(Quanta, FitTheirTimeAndDoubleTheSamplesAtMostUnlessTheyWouldBeTiny) {
   const QuantumLimits limits;
   for (const std::uint64_t samples : {0, 1, 2, 3, 10, 1000, 1 << 20}) {

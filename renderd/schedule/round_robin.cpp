@@ -13,7 +13,7 @@ std::vector<Quantum> RoundRobin::next(std::span<const SessionView> sessions) {
   const SessionView* chosen = after ? after : lowest;
   if (!chosen) return {};
   last_ = chosen->session;
-  return {{chosen->session, quantum_samples(*chosen, limits_)}};
+  return {{chosen->session, quantum_samples(*chosen, limits_for(sessions, limits_))}};
 }
 
 }  // namespace diaphane::render

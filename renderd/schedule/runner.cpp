@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "renderd/schedule/canvas.h"
 
@@ -312,9 +313,10 @@ void Runner::begin(std::unique_ptr<Turn> turn) {
 }
 
 void Runner::ended(std::unique_ptr<Turn> turn) {
+  rendered(*turn);
   // Under the lock, since with the last turn the runner may go.
   const std::lock_guard lock(mutex_);
-  in_flight_.end(turn->fill, clock_.now());
+  in_flight_.end(clock_.now());
   ended_.push_back(std::move(turn));
   ++wakes_;
   changed_.notify_one();
@@ -334,7 +336,18 @@ double Runner::own_seconds(Time start, double before) const {
 
 void Runner::carry_out(Turn& turn) {
   if (turn.question) return show(turn, *turn.question);
-  if (render(turn)) show_if_due(turn);
+  const bool there = render(turn);
+  // While its picture is made the device goes on. The CPU makes it itself.
+  if (options_.device_queues) rendered(turn);
+  if (there) show_if_due(turn);
+}
+
+void Runner::rendered(Turn& turn) {
+  if (turn.fill == 0) return;
+  const std::lock_guard lock(mutex_);
+  in_flight_.rendered(std::exchange(turn.fill, 0), clock_.now());
+  ++wakes_;
+  changed_.notify_one();
 }
 
 // The scene that is wanted, and the samples. False: there is nothing to show.

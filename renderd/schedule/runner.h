@@ -102,6 +102,7 @@ class Runner {
   // In a lane.
   void carry_out(Turn& turn);
   bool render(Turn& turn);
+  void rendered(Turn& turn);
   void show_if_due(Turn& turn);
   void show(Turn& turn, const EmissionQuestion& question);
   void carry_out_still(Turn& turn);

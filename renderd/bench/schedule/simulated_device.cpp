@@ -200,6 +200,7 @@ void SimulatedDevice::next_phase(Turn& turn) {
       return;
     case Phase::kEnd:
       rendered(turn);
+      in_flight_.rendered(turn.fill, time_point(now_));
       session.ledger.refresh(session.wanted, costs_, rules_, time_point(now_));
       session.wanted.picture_again = false;
       if (!session.left && due(session)) return begin_picture(turn);
@@ -269,7 +270,7 @@ void SimulatedDevice::advance(double until) {
     next_phase(turn);
     if (turn.phase != Turn::Phase::kOver) continue;
     turn.session->under_way = false;
-    in_flight_.end(turn.fill, time_point(now_));
+    in_flight_.end(time_point(now_));
   }
   std::erase_if(turns_, [](const Turn& turn) { return turn.phase == Turn::Phase::kOver; });
 }
