@@ -16,7 +16,9 @@
 #include "api/postgres/account_repository.h"
 #include "api/postgres/data_set_repository.h"
 #include "api/postgres/migrate.h"
+#include "api/postgres/recording_repository.h"
 #include "api/redis/client.h"
+#include "api/redis/links.h"
 #include "api/redis/sessions.h"
 #include "api/service/housekeeping.h"
 #include "api/stream/gateway.h"
@@ -139,6 +141,10 @@ int serve(const Settings& settings, service::StopSignal& stop) {
                      [&] { return files.free_bytes(); });
   Uploads uploads(data_set_store, files, clock, settings.data_sets.upload_life);
   Sessions sessions(data_sets, placed);
+  redis::Links link_store(**redis_client);
+  RecordingRepository recording_store(database);
+  Recordings recordings(recording_store, clock);
+  LiveLinks live_links(data_sets, placed, link_store);
   stream::WorkerStills stills(placed);
   Thumbnails thumbnails(data_sets, stills, settings.cache_dir);
 
@@ -152,7 +158,10 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     (void)data_set_store.expire_uploads(clock.wall());
     metrics.disposed(disposer.dispose());
   });
-  Periodic tidy("tidying", 10min, [&] { (void)account_store.tidy(clock.wall()); });
+  Periodic tidy("tidying", 10min, [&] {
+    (void)account_store.tidy(clock.wall());
+    (void)recording_store.expire(clock.wall());
+  });
   accounts.on_mail([&] { send_mails.wake(); });
   data_sets.on_disposal([&] { dispose.wake(); });
   uploads.on_disposal([&] { dispose.wake(); });
@@ -168,6 +177,8 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   front.add(data_set_routes(data_sets, thumbnails));
   front.add(upload_routes(uploads, settings.data_sets.max_upload_bytes));
   front.add(session_routes(sessions));
+  front.add(live_routes(live_links));
+  front.add(recording_routes(recordings));
 
   auto listener = Listener::open(front, executor, {.port = settings.api_port});
   if (!listener) {

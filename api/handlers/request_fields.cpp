@@ -67,6 +67,11 @@ std::string Fields::text(const std::string& name, std::size_t low, std::size_t h
   return value ? check_text(name, *value, low, high) : std::string();
 }
 
+nlohmann::json Fields::any(const std::string& name) {
+  const auto* value = take(name, true);
+  return value ? *value : nlohmann::json();
+}
+
 std::string Fields::text_or(const std::string& name, std::string fallback, std::size_t high) {
   const auto* value = take(name, false);
   return value ? check_text(name, *value, 0, high) : fallback;

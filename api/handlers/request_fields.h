@@ -31,6 +31,11 @@ class Fields {
   std::int64_t integer_or(const std::string& name, std::int64_t fallback, std::int64_t low,
                           std::int64_t high);
 
+  /// Required; null when it is missing. For what has a form of its own, checked by the caller.
+  nlohmann::json any(const std::string& name);
+  /// A mistake that the caller found.
+  void wrong(std::string field, std::string message);
+
   /// kMediaType, kBadRequest (no JSON), or kInvalid with each mistake, unknown fields among them;
   /// or nothing.
   std::optional<Problem> finish();
@@ -41,7 +46,6 @@ class Fields {
                          std::size_t high);
   std::int64_t check_integer(const std::string& name, const nlohmann::json& value, std::int64_t low,
                              std::int64_t high);
-  void wrong(std::string field, std::string message);
 
   nlohmann::json object_ = nlohmann::json::object();
   std::vector<std::string> known_;

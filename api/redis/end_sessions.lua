@@ -9,7 +9,10 @@ local function finish(session)
   redis.call('ZREM', 'diaphane:user:' .. s[1] .. ':sessions', session)
   redis.call('ZREM', 'diaphane:data_set:' .. s[2] .. ':sessions', session)
   if s[3] then redis.call('ZREM', 'diaphane:worker:' .. s[3] .. ':sessions', session) end
-  redis.call('DEL', session_key)
+  for _, hash in ipairs(redis.call('SMEMBERS', session_key .. ':links')) do
+    redis.call('DEL', 'diaphane:link:' .. hash)
+  end
+  redis.call('DEL', session_key, session_key .. ':links')
   -- For the worker's heartbeats: ended, not lost.
   redis.call('SET', session_key .. ':ended', '1', 'EX', 60)
   return 1

@@ -1,7 +1,8 @@
 -- Place a session on a worker and give a ticket for it, in one round trip (docs/contracts.md, "Redis").
 --
 -- ARGV: session, user, data set, ticket, protocol epoch, reservation ms, ticket s, session s,
---       most placed sessions of a person, most remembered sessions of a person
+--       most placed sessions of a person, most remembered sessions of a person,
+--       then of a guest, or empty of the owner: participant, name, hash of the link
 -- Returns {"placed", worker, placement}, or {why}: "not_yours", "too_many", "no_worker", "full".
 -- Nothing is written unless it is placed. The keys of workers are not known beforehand, so none are declared:
 -- this wants one Redis, not a Redis Cluster.
@@ -120,6 +121,7 @@ for _, key in ipairs({user_key, data_set_key}) do
 end
 
 local ticket_key = 'diaphane:ticket:' .. ticket
-redis.call('HSET', ticket_key, 'session', session, 'user', user)
+redis.call('HSET', ticket_key, 'session', session, 'user', user, 'participant', ARGV[11], 'name', ARGV[12],
+           'link', ARGV[13])
 redis.call('EXPIRE', ticket_key, ticket_s)
 return {'placed', chosen.id, tostring(placement)}

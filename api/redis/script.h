@@ -18,5 +18,8 @@ extern const Script kListSessions;
 extern const Script kEndSessions;
 extern const Script kListWorkers;
 extern const Script kWorkerLost;
+extern const Script kMakeLink;
+extern const Script kEndLinks;
+extern const Script kEndedLinks;
 
 }  // namespace diaphane::api::redis

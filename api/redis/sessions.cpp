@@ -56,7 +56,8 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
   const std::string remembered = std::to_string(limits_.remembered);
   const Result<Reply> reply =
       client_.run(kPlace, {request.session_id, request.user_id, request.data_set_id, ticket,
-                           kProtocolEpoch, reservation, ticket_s, session_s, placed, remembered});
+                           kProtocolEpoch, reservation, ticket_s, session_s, placed, remembered,
+                           request.participant, request.name, request.link});
   if (!reply) return tl::unexpected(reply.error());
   const std::string& what = reply->at(0);
   if (what == "placed") {
@@ -132,6 +133,10 @@ Result<Attachment> Sessions::consume(std::string_view ticket) {
     found.input_seq = number<std::uint64_t>(reply->at(9));
     found.width = number<std::uint32_t>(reply->at(10));
     found.height = number<std::uint32_t>(reply->at(11));
+    found.presenter = reply->at(12);
+    found.participant = reply->at(13);
+    found.name = reply->at(14);
+    found.link = reply->at(15);
     return found;
   }
   if (what == "unknown") {
@@ -142,6 +147,15 @@ Result<Attachment> Sessions::consume(std::string_view ticket) {
     return fail(ErrorCode::kUnavailable, "The renderer of this session has gone; ask again.");
   }
   return unexpected_answer();
+}
+
+Result<std::vector<std::string>> Sessions::ended_links(const std::vector<std::string>& links) {
+  std::vector<std::string> ended;
+  if (links.empty()) return ended;
+  const Result<Reply> reply = client_.run(kEndedLinks, {links.begin(), links.end()});
+  if (!reply) return tl::unexpected(reply.error());
+  for (const Reply& one : reply->list) ended.push_back(one.text);
+  return ended;
 }
 
 Result<std::vector<WorkerInfo>> Sessions::alive() {

@@ -35,6 +35,7 @@ class Sessions final : public Placement, public Tickets, public Workers {
   bool reachable() override;
 
   Result<Attachment> consume(std::string_view ticket) override;
+  Result<std::vector<std::string>> ended_links(const std::vector<std::string>& links) override;
 
   Result<std::vector<WorkerInfo>> alive() override;
   Result<bool> lost(std::string_view worker_id, std::string_view incarnation) override;

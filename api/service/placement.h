@@ -24,6 +24,10 @@ struct PlaceRequest {
       session_id;  ///< new, or one of this user's: then it is placed again if its worker has gone
   std::string user_id;
   std::string data_set_id;
+  // The ticket is a guest's; empty of the owner's.
+  std::string participant = {};  ///< id, the same over reconnections
+  std::string name = {};         ///< as typed
+  std::string link = {};         ///< hash of the token of the link that let him in
 };
 
 /// Where the session is now and a fresh ticket for one connection to it.
@@ -63,6 +67,8 @@ struct Attachment {
   std::string scene;  ///< last known scene, serialised diaphane.v1.Scene; empty: none yet
   std::uint64_t input_seq = 0;
   std::uint32_t width = 0, height = 0;  ///< last known viewport; 0: none yet
+  std::string presenter;                ///< last known, participant; empty: the owner
+  std::string participant, name, link;  ///< of a guest, as in PlaceRequest
 };
 
 /// The gateway's side of a ticket. Thread-safe.
@@ -72,6 +78,22 @@ class Tickets {
   /// Uses the ticket up, also when what follows fails. kUnauthenticated: unknown, used or too old.
   /// kNotFound: its session has gone. kUnavailable: its worker, or Redis, has gone.
   virtual Result<Attachment> consume(std::string_view ticket) = 0;
+  /// Those of these links that were ended: who came by them is to be sent away.
+  virtual Result<std::vector<std::string>> ended_links(const std::vector<std::string>& links) = 0;
+};
+
+/// Links by which others join a session. A link is known by the hash of its token. Thread-safe.
+/// Every function: kUnavailable when Redis is away.
+class LinkStore {
+ public:
+  virtual ~LinkStore() = default;
+  /// kNotFound: no such session of this user. kTooMany: it has as many as it may have.
+  virtual Result<void> make(std::string_view session_id, std::string_view user_id,
+                            std::string_view hash) = 0;
+  /// The session that a link leads to; kNotFound.
+  virtual Result<SessionInfo> follow(std::string_view hash) = 0;
+  /// All of a session.
+  virtual Result<void> end_links(std::string_view session_id) = 0;
 };
 
 struct StillRequest {

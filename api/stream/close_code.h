@@ -5,7 +5,7 @@
 namespace diaphane::api::stream {
 
 /// Why a stream was closed (docs/contracts.md, "Stream"). A page comes back by itself with a new
-/// ticket after every code but kDone, kMalformed, kSessionGone and kTakenOver.
+/// ticket after every code but kDone, kMalformed, kSessionGone, kTakenOver and kLinkEnded.
 enum class CloseCode : std::uint16_t {
   kDone = 1000,
   kGoingAway = 1001,    ///< the gateway stops
@@ -16,6 +16,7 @@ enum class CloseCode : std::uint16_t {
   kTicket = 4401,       ///< unknown, used or too old
   kSessionGone = 4404,  ///< it was ended, or never was
   kTakenOver = 4409,    ///< opened in another window
+  kLinkEnded = 4410,    ///< the link that it came by was ended
   kTooMany = 4429,      ///< too many connections, or too many messages
   kWorkerLost = 4503,
 };

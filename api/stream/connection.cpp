@@ -198,7 +198,7 @@ void Connection::on_ticket(Result<Attachment> redeemed) {
         return close(CloseCode::kInternal, "Something went wrong here; it has been noted.");
     }
   }
-  if (!hub_.enter_user(redeemed->session.user_id)) {
+  if (!hub_.enter_user(*redeemed)) {
     hub_.metrics.refused("too_many");
     return close(CloseCode::kTooMany, "You have too many open pictures; close one.");
   }
@@ -212,6 +212,7 @@ void Connection::attach(Attachment attachment) {
   hub_.metrics.stream_attached();
   {
     const std::lock_guard lock(key_mutex_);
+    link_hash_ = attachment_->link;
     worker_key_ = attachment_->session.worker_id + "|" + attachment_->incarnation;
   }
   link_ = WorkerLink::open(hub_.channels.to(attachment_->address, attachment_->incarnation),
@@ -386,6 +387,11 @@ std::string Connection::worker_key() const {
   return worker_key_;
 }
 
+std::string Connection::link_hash() const {
+  const std::lock_guard lock(key_mutex_);
+  return link_hash_;
+}
+
 void Connection::close(CloseCode code, std::string_view reason) {
   on_strand([code, text = std::string(reason)](Connection& self) mutable {
     if (self.closing_ || self.ended_) return;
@@ -430,7 +436,7 @@ void Connection::ended() {
       if (!error && !self->link_over_) self->link_->cancel();
     });
   }
-  if (counted_for_user_) hub_.leave_user(attachment_->session.user_id);
+  if (counted_for_user_) hub_.leave_user(*attachment_);
   if (!attachment_) return;
   hub_.metrics.stream_detached();
   const std::chrono::duration<double> lasted = steady_clock::now() - began_;

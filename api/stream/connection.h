@@ -37,6 +37,8 @@ class Connection final : public LinkEvents, public std::enable_shared_from_this<
   void worker_seen(bool alive);
   /// Worker id and incarnation, "|" between; empty before it is attached. For any thread.
   std::string worker_key() const;
+  /// Of a guest: the link that it came by; else empty. For any thread.
+  std::string link_hash() const;
 
   void on_link_open() override;
   void on_link_message(std::string message) override;
@@ -94,7 +96,7 @@ class Connection final : public LinkEvents, public std::enable_shared_from_this<
   // While it is attached: with both directions held back, no operation would keep it.
   std::shared_ptr<Connection> alive_;
   mutable std::mutex key_mutex_;
-  std::string worker_key_;
+  std::string worker_key_, link_hash_;
 
   std::deque<std::string> outgoing_;
   bool accepted_ = false;

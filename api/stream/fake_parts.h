@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,18 @@ class FakePlaces final : public Placement, public Tickets, public Workers {
     if (!sessions_.contains(attachment.session.id)) return fail(ErrorCode::kNotFound, "gone");
     return attachment;
   }
+  Result<std::vector<std::string>> ended_links(const std::vector<std::string>& links) override {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::string> ended;
+    for (const std::string& link : links) {
+      if (ended_.contains(link)) ended.push_back(link);
+    }
+    return ended;
+  }
+  void end_link(const std::string& link) {
+    const std::lock_guard lock(mutex_);
+    ended_.insert(link);
+  }
   Result<SessionInfo> find(std::string_view id) override {
     const std::lock_guard lock(mutex_);
     const auto found = sessions_.find(std::string(id));
@@ -96,6 +109,7 @@ class FakePlaces final : public Placement, public Tickets, public Workers {
   std::map<std::string, Attachment> tickets_;
   std::map<std::string, SessionInfo> sessions_;
   std::vector<std::string> lost_;
+  std::set<std::string> ended_;
   std::atomic<bool> away_ = false, alive_ = true;
 };
 

@@ -1,5 +1,6 @@
 #include "api/stream/gateway.h"
 
+#include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/strand.hpp>
@@ -24,7 +25,8 @@ struct Gateway::Impl {
         work(io.get_executor()),
         acceptor(asio::make_strand(io)),
         pause(acceptor.get_executor()),
-        watch(acceptor.get_executor()) {}
+        watch(acceptor.get_executor()),
+        links(acceptor.get_executor()) {}
 
   std::shared_ptr<Hub> hub;
   asio::io_context io;
@@ -32,6 +34,7 @@ struct Gateway::Impl {
   tcp::acceptor acceptor;
   asio::steady_timer pause;
   asio::steady_timer watch;
+  asio::steady_timer links;
   std::vector<std::thread> threads;
   std::uint16_t port = 0;
   bool stopped = false;
@@ -77,6 +80,33 @@ struct Gateway::Impl {
     });
   }
 
+  /// Guests whose link was ended are sent away, whichever gateway they came through.
+  void watch_links() {
+    links.expires_after(hub->limits.links);
+    links.async_wait([this](error_code ended) {
+      if (ended) return;
+      std::set<std::string> in_use;
+      for (const auto& connection : hub->connections()) {
+        if (std::string link = connection->link_hash(); !link.empty())
+          in_use.insert(std::move(link));
+      }
+      if (!in_use.empty()) {
+        hub->run_blocking(
+            [shared = hub, asked = std::vector<std::string>(in_use.begin(), in_use.end())] {
+              const auto over = shared->tickets.ended_links(asked);
+              if (!over) return;  // Redis is away: they stay until it says more
+              for (const auto& connection : shared->connections()) {
+                const std::string link = connection->link_hash();
+                if (link.empty() || std::find(over->begin(), over->end(), link) == over->end())
+                  continue;
+                connection->close(CloseCode::kLinkEnded, "The link was ended.");
+              }
+            });
+      }
+      watch_links();
+    });
+  }
+
   error_code listen(const std::string& address, std::uint16_t wanted) {
     error_code error;
     const auto ip = asio::ip::make_address(address, error);
@@ -93,6 +123,7 @@ struct Gateway::Impl {
   void run(unsigned thread_count) {
     accept_next();
     watch_workers();
+    watch_links();
     for (unsigned i = 0; i < thread_count; ++i) {
       threads.emplace_back([this] {
         for (;;) {
@@ -115,6 +146,7 @@ struct Gateway::Impl {
       acceptor.close(ignored);
       pause.cancel();
       watch.cancel();
+      links.cancel();
     });
     for (const auto& connection : hub->connections()) {
       connection->close(CloseCode::kGoingAway, "The server restarts; come back in a moment.");

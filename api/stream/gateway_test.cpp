@@ -110,6 +110,30 @@ TEST_F(GatewayTest, OpenSaysWhatIsKnownOfTheSession) {
   EXPECT_EQ(open.viewport().width(), 640u);
 }
 
+TEST_F(GatewayTest, ALinkThatIsEndedSendsAwayWhoCameByItAndNobodyElse) {
+  FakeWorker worker;
+  start();
+  const std::string person = places_.issue(worker.address());
+  const std::string guest = places_.issue(worker.address());
+  const std::string another = places_.issue(worker.address());
+  places_.change(guest, [](Attachment& attachment) { attachment.link = "ended soon"; });
+  places_.change(another, [](Attachment& attachment) { attachment.link = "stays"; });
+  TestViewer one = viewer(), two = viewer(), three = viewer();
+  ASSERT_TRUE(one.enter(person));
+  ASSERT_TRUE(two.enter(guest));
+  ASSERT_TRUE(three.enter(another));
+  for (TestViewer* each : {&one, &two, &three}) {
+    each->send("here");
+    ASSERT_EQ(each->receive(), "here");
+  }
+  places_.end_link("ended soon");
+  EXPECT_EQ(two.close_code(), 4410);
+  for (TestViewer* each : {&one, &three}) {
+    each->send("still here");
+    EXPECT_EQ(each->receive(), "still here");
+  }
+}
+
 TEST_F(GatewayTest, AHandshakeThatIsNotOurPagesIsRefused) {
   FakeWorker worker;
   start();

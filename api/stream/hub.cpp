@@ -35,17 +35,28 @@ bool Hub::wait_until_empty(std::chrono::milliseconds timeout) {
   return empty_.wait_for(lock, timeout, [&] { return connections_.empty(); });
 }
 
-bool Hub::enter_user(const std::string& user_id) {
+namespace {
+
+// Guests are not counted as the person whose session it is, or they could shut him out.
+std::string counted_as(const Attachment& attachment) {
+  return attachment.link.empty() ? attachment.session.user_id : "guests:" + attachment.session.id;
+}
+
+}  // namespace
+
+bool Hub::enter_user(const Attachment& attachment) {
   const std::lock_guard lock(mutex_);
-  std::size_t& count = users_[user_id];
-  if (count >= limits.connections_per_user) return false;
+  std::size_t& count = users_[counted_as(attachment)];
+  const std::size_t most =
+      attachment.link.empty() ? limits.connections_per_user : limits.guests_per_session;
+  if (count >= most) return false;
   ++count;
   return true;
 }
 
-void Hub::leave_user(const std::string& user_id) {
+void Hub::leave_user(const Attachment& attachment) {
   const std::lock_guard lock(mutex_);
-  const auto found = users_.find(user_id);
+  const auto found = users_.find(counted_as(attachment));
   if (found != users_.end() && --found->second == 0) users_.erase(found);
 }
 

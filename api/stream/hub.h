@@ -26,6 +26,7 @@ class Connection;
 struct GatewayLimits {
   std::size_t connections = 4096;  ///< at once, handshakes included
   std::size_t connections_per_user = 16;
+  std::size_t guests_per_session = 60;  ///< who came by links
   std::size_t header_bytes = 8 * 1024;
   std::size_t message_bytes = 64 * 1024;  ///< of a viewer
   unsigned messages_per_second = 1000;    ///< of a viewer
@@ -36,6 +37,7 @@ struct GatewayLimits {
   std::chrono::milliseconds goodbye{2'000};  ///< for what a viewer sent last to reach its worker
   std::chrono::milliseconds probe{300};      ///< whether a worker that broke off can be reached
   std::chrono::milliseconds watch{2'000};    ///< between two looks at who is alive
+  std::chrono::milliseconds links{500};      ///< between two looks at which links were ended
 };
 
 /// What all connections of one gateway share. Thread-safe.
@@ -81,9 +83,9 @@ class Hub {
   /// True once nobody is left.
   bool wait_until_empty(std::chrono::milliseconds timeout);
 
-  /// One more connection of a person; false when there are enough.
-  bool enter_user(const std::string& user_id);
-  void leave_user(const std::string& user_id);
+  /// One more connection of a person, or guest of a session; false when there are enough.
+  bool enter_user(const Attachment& attachment);
+  void leave_user(const Attachment& attachment);
 
   /// A worker broke off: can it be reached? If not, nobody is placed on it any more. Blocks (probe,
   /// Redis).

@@ -27,6 +27,11 @@ std::shared_ptr<WorkerLink> WorkerLink::open(const std::shared_ptr<grpc::Channel
     open.mutable_viewport()->set_width(attachment.width);
     open.mutable_viewport()->set_height(attachment.height);
   }
+  open.set_participant(attachment.participant);
+  open.set_name(attachment.name);
+  open.set_presenter(attachment.presenter);
+  open.set_user_id(attachment.session.user_id);
+  open.set_link(attachment.link);
   link->self_ = link;
   link->reading_ = true;
   link->writing_ = true;

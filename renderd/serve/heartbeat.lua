@@ -2,7 +2,8 @@
 -- KEYS: 1 set of workers, 2 hash of this worker, 3 sorted set of its sessions
 -- ARGV: 1 worker id, 2 incarnation, 3 address, 4 engine, 5 device, 6 slots, 7 draining, 8 load, 9 volumes,
 --       10 prefix of a session's key, then session id and placement of each live session
--- Returns the ids of sessions that were ended, or placed on another worker since: this one is to end them.
+-- Returns the ids of sessions that were ended, or placed on another worker since: this one is to end them; then an
+-- empty text; then the ids of sessions that are not known here (Redis was lost): this one may write them again.
 local kBeatMs = 3000
 local kLiveMs = 10000
 local clock = redis.call('TIME')
@@ -15,6 +16,7 @@ if before and before ~= ARGV[2] then
 end
 
 local moved = {}
+local unknown = {}
 local listed = {}
 for i = 11, #ARGV, 2 do
   local id, placement = ARGV[i], ARGV[i + 1]
@@ -27,6 +29,7 @@ for i = 11, #ARGV, 2 do
     moved[#moved + 1] = id
   else
     listed[id] = true
+    if not there[1] then unknown[#unknown + 1] = id end
     redis.call('ZADD', KEYS[3], now + kLiveMs, id)
     redis.call('EXPIRE', key, 86400)
   end
@@ -50,4 +53,6 @@ redis.call('HSET', KEYS[2], 'incarnation', ARGV[2], 'address', ARGV[3], 'engine'
   'device', ARGV[5], 'slots', ARGV[6], 'draining', ARGV[7], 'load', ARGV[8], 'volumes', ARGV[9],
   'epoch', '1', 'used', redis.call('ZCARD', KEYS[3]), 'live', table.concat(live, ','))
 redis.call('PEXPIRE', KEYS[2], kBeatMs)
+moved[#moved + 1] = ''
+for _, id in ipairs(unknown) do moved[#moved + 1] = id end
 return moved

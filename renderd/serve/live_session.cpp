@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <set>
 
 #include "common/log.h"
 #include "renderd/encode/frame_mark.h"
@@ -63,6 +64,7 @@ LiveSession::LiveSession(SessionParts parts, Start start, std::function<void()> 
     : parts_(std::move(parts)),
       id_(start.id),
       volume_id_(start.volume_id),
+      user_id_(std::move(start.user_id)),
       on_ended_(std::move(ended)) {
   state_.id = std::move(start.id);
   state_.volume_id = std::move(start.volume_id);
@@ -71,6 +73,7 @@ LiveSession::LiveSession(SessionParts parts, Start start, std::function<void()> 
   state_.wanted.viewport = start.viewport;
   state_.wanted.input_seq = start.input_seq;
   state_.wanted.version = 1;
+  state_.camera_only = start.camera_only;
   if (!start.presenter.empty()) state_.audience.presenter = std::move(start.presenter);
   version_ = 1;
   stats_since_ = parts_.clock.now();
@@ -128,27 +131,43 @@ void LiveSession::receive(std::uint64_t connection, const std::string& bytes) {
                 {ErrorCode::kInvalid, "The page sent something that is no message.", {}}, true);
     return leave(connection);
   }
-  carry_out(render::receive(state_, connection, message, parts_.clock.now()), connection, lock);
+  if (const auto own = branches_.find(connection); own != branches_.end()) {
+    // What concerns the pictures is said to the session that he looks at.
+    if (message.has_scene() || message.has_ack() || message.has_need_key() ||
+        message.has_visibility()) {
+      const OwnCamera camera = own->second;
+      lock.unlock();
+      return camera.session->receive(camera.connection, bytes);
+    }
+  }
+  const Outcome outcome = render::receive(state_, connection, message, parts_.clock.now());
+  carry_out(outcome, connection, lock);
+  if (outcome.own_camera) change_camera(connection, *outcome.own_camera);
 }
 
 void LiveSession::closed(std::uint64_t connection) {
+  std::shared_ptr<LiveSession> branch;
   {
     const std::lock_guard lock(mutex_);
-    if (links_.erase(connection) == 0) return;
-    leave(connection);
+    branch = take_branch(connection);
+    if (links_.erase(connection) != 0) leave(connection);
   }
+  if (branch) branch->dismiss();
   parts_.runner.wake();
 }
 
 void LiveSession::end(const Error& why) {
   std::uint64_t handle = 0;
+  std::vector<std::shared_ptr<LiveSession>> branches;
   {
     const std::lock_guard lock(mutex_);
     if (ended_) return;
     ended_ = true;
+    while (!branches_.empty()) branches.push_back(take_branch(branches_.begin()->first));
     while (!links_.empty()) finish_link(links_.begin()->first, why, true);
     handle = std::exchange(runner_handle_, 0);
   }
+  for (const auto& branch : branches) branch->dismiss();
   if (handle != 0) parts_.runner.remove(handle);
 }
 
@@ -198,16 +217,30 @@ std::optional<std::chrono::steady_clock::duration> LiveSession::abandoned_for() 
   return parts_.clock.now() - state_.detached_since;
 }
 
-std::optional<LiveSession::Saved> LiveSession::take_unsaved() {
-  const std::lock_guard lock(mutex_);
-  if (!state_.unsaved || !state_.wanted.scene) return std::nullopt;
-  state_.unsaved = false;
+LiveSession::Saved LiveSession::saved() const {
   return Saved{id_,
                state_.placement,
                state_.wanted.scene->SerializeAsString(),
                state_.wanted.input_seq,
                state_.wanted.viewport,
                state_.audience.presenter};
+}
+
+std::optional<LiveSession::Saved> LiveSession::take_unsaved() {
+  const std::lock_guard lock(mutex_);
+  if (!state_.unsaved || !state_.wanted.scene) return std::nullopt;
+  state_.unsaved = false;
+  return saved();
+}
+
+std::optional<LiveSession::Lost> LiveSession::lost() const {
+  const std::lock_guard lock(mutex_);
+  if (ended_ || !state_.wanted.scene || user_id_.empty()) return std::nullopt;
+  std::set<std::string> links;
+  for (const Receiver& receiver : state_.audience.receivers) {
+    if (!receiver.link.empty()) links.insert(receiver.link);
+  }
+  return Lost{saved(), user_id_, volume_id_, {links.begin(), links.end()}};
 }
 
 void LiveSession::mark_unsaved() {
@@ -353,7 +386,8 @@ void LiveSession::send_look(std::uint64_t connection) {
 }
 
 void LiveSession::tell_audience() {
-  if (!volume_) return;  // volume_ready does it
+  if (!volume_) return;            // volume_ready does it
+  if (state_.camera_only) return;  // the group does it
   for (const Receiver& receiver : state_.audience.receivers) {
     if (!receiver.greeted) continue;
     v1::ServerMessage message;
@@ -383,6 +417,7 @@ void LiveSession::carry_out(const Outcome& outcome, std::uint64_t connection,
       send_config(connection);
     }
   }
+  lead_branches();
   if (outcome.audience) tell_audience();
   if (outcome.presenter) {
     const Receiver* presenter = state_.audience.of(state_.audience.presenter);
@@ -429,7 +464,7 @@ void LiveSession::close_unused_lanes() {
   std::erase_if(lanes_, [&](const auto& lane) {
     const auto& receivers = state_.audience.receivers;
     const bool used = std::any_of(receivers.begin(), receivers.end(), [&](const Receiver& one) {
-      return one.greeted && one.codec == lane->codec;
+      return one.greeted && !one.own_camera && one.codec == lane->codec;
     });
     if (used) return false;
     skipped_before_ += lane->slot->skipped();

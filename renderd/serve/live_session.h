@@ -27,6 +27,15 @@ class ClientLink {
   virtual void finish(const Error& why) = 0;
 };
 
+class LiveSession;
+
+/// A follower's own camera: what his session begins with.
+struct Branch {
+  std::string participant;
+  std::shared_ptr<const diaphane::v1::Scene> scene;
+  Canvas viewport;
+};
+
 /// What a session needs of the process; all outlive it.
 struct SessionParts {
   Engine& engine;
@@ -35,6 +44,9 @@ struct SessionParts {
   Metrics& metrics;
   const Clock& clock;
   std::function<std::size_t()> session_count;
+  /// A session for one follower's own camera, in a slot of its own. kTooMany: none is free.
+  std::function<Result<std::shared_ptr<LiveSession>>(const LiveSession& group, const Branch&)>
+      branch;
   bool mark_frames = false;  ///< for a bench: input_seq in the pixels (encode/frame_mark.h)
 };
 
@@ -50,7 +62,9 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
     std::shared_ptr<const diaphane::v1::Scene> scene;  ///< empty: the volume's first preset
     std::uint64_t input_seq = 0;
     Canvas viewport{512, 512};
-    std::string presenter;  ///< participant; empty: the owner
+    std::string presenter;     ///< participant; empty: the owner
+    std::string user_id;       ///< whose session it is
+    bool camera_only = false;  ///< of a follower with a camera of his own
   };
   /// What a lost worker's successor needs, as it goes to Redis.
   struct Saved {
@@ -60,6 +74,13 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
     std::uint64_t input_seq = 0;
     Canvas viewport;
     std::string presenter;  ///< participant
+  };
+  /// What Redis needs beyond that when it has lost everything.
+  struct Lost {
+    Saved saved;
+    std::string user_id;
+    std::string volume_id;
+    std::vector<std::string> links;  ///< that guests came by
   };
 
   /// `ended` is called once, without a lock held, when the session has ended by itself.
@@ -76,6 +97,10 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void closed(std::uint64_t connection);
   /// Ends it: every viewer gets `why` as a fatal Problem. Idempotent.
   void end(const Error& why);
+  /// Ended because nobody needs it; nobody is told but `ended`.
+  void dismiss();
+  /// Of a follower's own session: the presenter's settings.
+  void follow(const diaphane::v1::Scene& presenters);
   /// Once or more a second.
   void tick();
 
@@ -87,6 +112,8 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   /// The scene, when Redis has an older one; asks for it again with `mark_unsaved`.
   std::optional<Saved> take_unsaved();
   void mark_unsaved();
+  /// Nothing before it has a scene, or when nobody said whose it is.
+  std::optional<Lost> lost() const;
 
   // RenderClient
   Wanted wanted() override;
@@ -119,13 +146,20 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void close_unused_lanes();
   bool in_use(const Lane& lane) const;
 
+  void lead_branches();
+  std::shared_ptr<LiveSession> take_branch(std::uint64_t connection);
+
+  // Without it.
+  void change_camera(std::uint64_t connection, bool own);
   void carry_out(const Outcome& outcome, std::uint64_t connection,
                  std::unique_lock<std::mutex>& lock);
   Lanes lanes() const;
+  Saved saved() const;  // under the lock
 
   SessionParts parts_;
   const std::string id_;
   const std::string volume_id_;
+  const std::string user_id_;
   const std::function<void()> on_ended_;
 
   mutable std::mutex mutex_;
@@ -133,6 +167,13 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   std::atomic<std::uint64_t> version_{0};
   std::map<std::uint64_t, std::shared_ptr<ClientLink>> links_;  // by connection
   Lanes lanes_;
+  struct OwnCamera {
+    std::shared_ptr<LiveSession> session;
+    std::uint64_t connection = 0;  // there
+  };
+  // By connection here. Its lock may be taken under ours, never ours under its.
+  std::map<std::uint64_t, OwnCamera> branches_;
+  std::shared_ptr<const diaphane::v1::Scene> led_;  // the scene that they follow
   std::shared_ptr<const DeviceVolume> volume_;
   std::vector<diaphane::v1::Preset> presets_;
   std::uint64_t runner_handle_ = 0;

@@ -6,6 +6,7 @@
 #include "common/log.h"
 #include "renderd/serve/goodbye.lua.h"
 #include "renderd/serve/heartbeat.lua.h"
+#include "renderd/serve/rebuild_session.lua.h"
 #include "renderd/serve/save_scene.lua.h"
 
 namespace diaphane::render {
@@ -20,6 +21,8 @@ constexpr milliseconds kMostBackoff{2000};
 
 constexpr char kWorkers[] = "diaphane:workers";
 constexpr char kSessionPrefix[] = "diaphane:session:";
+constexpr char kLinkPrefix[] = "diaphane:link:";
+constexpr std::chrono::seconds kLinkLife{12 * 3600};
 std::string worker_key(const std::string& id) { return "diaphane:worker:" + id; }
 std::string sessions_key(const std::string& id) { return worker_key(id) + ":sessions"; }
 
@@ -142,11 +145,45 @@ bool Registry::heartbeat() {
     }
     return false;
   }
+  bool unknown = false;
   for (const std::string& id : answer->list) {
-    log::info("session_moved_away", {{"session", id}});
-    host_.moved_away(id);
+    if (id.empty()) {
+      unknown = true;
+    } else if (unknown) {
+      write_again(id);
+    } else {
+      log::info("session_moved_away", {{"session", id}});
+      host_.moved_away(id);
+    }
   }
   return true;
+}
+
+void Registry::write_again(const std::string& session) {
+  const auto lost = host_.lost(session);
+  if (!lost) return;
+  const LiveSession::Saved& saved = lost->saved;
+  const std::string key = kSessionPrefix + session;
+  std::vector<std::string> arguments{session,
+                                     lost->user_id,
+                                     lost->volume_id,
+                                     options_.worker_id,
+                                     options_.incarnation,
+                                     std::to_string(saved.placement),
+                                     saved.scene,
+                                     std::to_string(saved.input_seq),
+                                     std::to_string(saved.viewport.width),
+                                     std::to_string(saved.viewport.height),
+                                     saved.presenter,
+                                     kLinkPrefix,
+                                     std::to_string(kLinkLife.count())};
+  arguments.insert(arguments.end(), lost->links.begin(), lost->links.end());
+  const auto written =
+      redis_.run(lua::rebuild_session,
+                 {key, key + ":links", "diaphane:user:" + lost->user_id + ":sessions",
+                  "diaphane:data_set:" + lost->volume_id + ":sessions"},
+                 arguments);
+  if (written && written->number == 1) log::info("session_written_again", {{"session", session}});
 }
 
 bool Registry::save_scenes() {
@@ -156,7 +193,8 @@ bool Registry::save_scenes() {
     const auto written =
         redis_.run(lua::save_scene, {kSessionPrefix + saved.id},
                    {std::to_string(saved.placement), saved.scene, std::to_string(saved.input_seq),
-                    std::to_string(saved.viewport.width), std::to_string(saved.viewport.height)});
+                    std::to_string(saved.viewport.width), std::to_string(saved.viewport.height),
+                    saved.presenter});
     if (written) continue;
     for (; i < unsaved.size(); ++i) host_.mark_unsaved(unsaved[i].id);
     return false;

@@ -46,6 +46,7 @@ class Registry {
   void run();
   bool heartbeat();
   bool save_scenes();
+  void write_again(const std::string& session);
   double load();
 
   const Options options_;

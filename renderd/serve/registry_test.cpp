@@ -244,6 +244,50 @@ TEST_F(RegistryTest, WithRedisAwaySessionsGoOnAndWhatWasNotToldIsToldLater) {
       eventually([&] { return redis.field("diaphane:session:" + id, "input_seq") == "4"; }));
 }
 
+TEST_F(RegistryTest, AnEmptyRedisIsFilledAgainByTheWorkersThatHaveTheSessions) {
+  const std::string id = new_id(), user = new_id(), link = std::string(64, 'a');
+  v1::Open open;
+  open.set_session_id(id);
+  open.set_volume_id(volume);
+  open.set_placement(3);
+  open.set_user_id(user);
+  auto owner = std::make_shared<Link>();
+  Attachment attachment = *worker->host().open(open, owner);
+  attachment.receive(hello_message().SerializeAsString());
+  open.set_participant(new_id());
+  open.set_link(link);
+  auto guest = std::make_shared<Link>();
+  Attachment follower = *worker->host().open(open, guest);
+  follower.receive(hello_message().SerializeAsString());
+  const auto config = owner->inbox.next_of(v1::ServerMessage::kConfig);
+  ASSERT_TRUE(config);
+  const v1::Scene scene = turned(config->config().scene(), 5);
+  attachment.receive(scene_message(9, scene).SerializeAsString());
+  auto registry = announce();
+
+  const std::string key = "diaphane:session:" + id;
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(eventually([&] { return redis.field(key, "user") == user; }, 5000ms));
+    EXPECT_EQ(redis.field(key, "data_set"), volume);
+    EXPECT_EQ(redis.field(key, "worker"), "w1");
+    EXPECT_EQ(redis.field(key, "incarnation"), "first");
+    EXPECT_EQ(redis.field(key, "placement"), "3");
+    EXPECT_EQ(redis.field(key, "scene"), scene.SerializeAsString());
+    EXPECT_EQ(redis.field(key, "presenter"), "owner");
+    EXPECT_EQ(redis.ask({"GET", "diaphane:link:" + link}), std::vector<std::string>{id});
+    EXPECT_EQ(redis.ask({"ZRANGE", "diaphane:user:" + user + ":sessions", "0", "-1"}),
+              std::vector<std::string>{id});
+    redis.stop();
+    redis.start();
+  }
+  // What was ended on purpose stays ended.
+  ASSERT_TRUE(eventually([&] { return redis.field(key, "user") == user; }, 5000ms));
+  redis.ask({"SET", key + ":ended", "1"});
+  redis.ask({"DEL", key});
+  EXPECT_EQ(owner->inbox.ended()->code, ErrorCode::kConflict);
+  EXPECT_EQ(redis.field(key, "user"), "");
+}
+
 TEST_F(RegistryTest, ADrainIsToldAtOnce) {
   auto registry = announce();
   ASSERT_TRUE(eventually([&] { return registry->connected(); }));

@@ -22,6 +22,7 @@ Result<LiveSession::Start> start_of(const v1::Open& open) {
   start.placement = open.placement();
   start.input_seq = open.input_seq();
   start.presenter = open.presenter();
+  if (is_id(open.user_id())) start.user_id = open.user_id();
   if (open.has_scene()) start.scene = std::make_shared<const v1::Scene>(open.scene());
   if (open.has_viewport()) {
     // What was saved may be of no use; the browser's Hello says the viewport anew.
@@ -39,7 +40,8 @@ Result<Arrival> arrival_of(const v1::Open& open) {
     arrival.participant = open.participant();
   }
   arrival.name = open.name();
-  arrival.link = open.link();
+  constexpr std::size_t kLongestLink = 64;
+  if (open.link().size() <= kLongestLink) arrival.link = open.link();
   return arrival;
 }
 
@@ -85,10 +87,8 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
         return fail(ErrorCode::kTooMany, "All places of this render server are taken.");
       }
       is_new = true;
-      session = std::make_shared<LiveSession>(
-          SessionParts{engine_, runner_, encoders_, metrics_, clock_, [this] { return used(); },
-                       options_.mark_frames},
-          std::move(*start), [this, id] { forget(id, nullptr); });
+      session = std::make_shared<LiveSession>(parts(), std::move(*start),
+                                              [this, id] { forget(id, nullptr); });
       sessions_.emplace(id, session);
       metrics_.sessions(sessions_.size());
     }
@@ -104,6 +104,48 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
     });
   }
   return Attachment(std::move(session), connection);
+}
+
+SessionParts SessionHost::parts() {
+  return {engine_,
+          runner_,
+          encoders_,
+          metrics_,
+          clock_,
+          [this] { return used(); },
+          [this](const LiveSession& group, const Branch& wanted) { return branch(group, wanted); },
+          options_.mark_frames};
+}
+
+// Its id is nobody's but this worker's: no ticket leads to it. The heartbeat counts its slot.
+Result<SessionHost::Session> SessionHost::branch(const LiveSession& group, const Branch& wanted) {
+  LiveSession::Start start;
+  start.id = new_id();
+  start.volume_id = group.volume_id();
+  start.placement = group.placement();
+  start.scene = wanted.scene;
+  start.viewport = wanted.viewport;
+  start.presenter = wanted.participant;
+  start.camera_only = true;
+  const std::string id = start.id;
+  Session session;
+  Session evicted;
+  {
+    const std::lock_guard lock(mutex_);
+    if (refusing_) return tl::unexpected(stopping());
+    if (sessions_.size() >= options_.slots && !(evicted = evict_abandoned())) {
+      return fail(ErrorCode::kTooMany, "There is no room for a camera of your own now.");
+    }
+    session = std::make_shared<LiveSession>(parts(), std::move(start),
+                                            [this, id] { forget(id, nullptr); });
+    sessions_.emplace(id, session);
+    metrics_.sessions(sessions_.size());
+  }
+  if (evicted) evicted->end(stopping());
+  volumes_.get(group.volume_id(), [session](Result<VolumeCache::Handle> volume) {
+    session->volume_ready(std::move(volume));
+  });
+  return session;
 }
 
 SessionHost::Session SessionHost::evict_abandoned() {
@@ -204,6 +246,17 @@ void SessionHost::mark_unsaved(const std::string& id) {
   const std::lock_guard lock(mutex_);
   if (const auto found = sessions_.find(id); found != sessions_.end())
     found->second->mark_unsaved();
+}
+
+std::optional<LiveSession::Lost> SessionHost::lost(const std::string& id) const {
+  Session session;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = sessions_.find(id);
+    if (found == sessions_.end()) return std::nullopt;
+    session = found->second;
+  }
+  return session->lost();
 }
 
 std::size_t SessionHost::used() const {

@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,11 +63,14 @@ class SessionHost {
   std::vector<Live> live() const;
   std::vector<LiveSession::Saved> take_unsaved();
   void mark_unsaved(const std::string& id);
+  std::optional<LiveSession::Lost> lost(const std::string& id) const;
   std::size_t used() const;
   std::size_t slots() const { return options_.slots; }
 
  private:
   using Session = std::shared_ptr<LiveSession>;
+  Result<Session> branch(const LiveSession& group, const Branch& wanted);
+  SessionParts parts();
   void forget(const std::string& id, const LiveSession* session);
   Session evict_abandoned();  // under the lock; empty when all are looked at
   std::vector<Session> all() const;

@@ -62,6 +62,17 @@ struct HostTest : testing::Test {
     if (greet) viewer.say(hello_message());
     return viewer;
   }
+  Viewer join(const std::string& session) {
+    Viewer viewer;
+    v1::Open open;
+    open.set_session_id(session);
+    open.set_volume_id(volume);
+    open.set_placement(1);
+    open.set_participant(new_id());
+    viewer.attachment.emplace(*worker->host().open(open, viewer.link));
+    viewer.say(hello_message());
+    return viewer;
+  }
   Result<Attachment> try_open(const std::string& session, std::uint64_t placement = 1) {
     v1::Open open;
     open.set_session_id(session);
@@ -292,6 +303,80 @@ TEST_F(HostTest, APlacedAnewSessionGoesOnWithItsScene) {
   const auto frame = two.follow([](const v1::Frame&) { return true; });
   EXPECT_EQ(frame->input_seq(), 17U);
   EXPECT_GT(frame->epoch(), std::uint64_t{3} << 24) << "above every epoch of the placement before";
+}
+
+TEST_F(HostTest, OneRenderAndOneCodingServeAllWhoLook) {
+  const std::string id = new_id();
+  Viewer owner = attach(id);
+  Viewer ann = join(id);
+  Viewer bob = join(id);
+  const auto config = ann.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(config);
+  EXPECT_TRUE(config->config().follower());
+  owner.say(
+      scene_message(4, turned(owner.link->inbox.next_of(Kind::kConfig)->config().scene(), 9)));
+  for (Viewer* one : {&owner, &ann, &bob}) {
+    ASSERT_TRUE(one->follow([](const v1::Frame& frame) { return frame.input_seq() == 4; }));
+  }
+  EXPECT_EQ(worker->host().used(), 1U);
+  EXPECT_EQ(device->volumes, 1);
+  // The follower was told the scene before its picture, and may not change it.
+  bool told = false;
+  for (const v1::ServerMessage& message : ann.link->inbox.all()) {
+    if (message.has_look() && message.look().input_seq() == 4) told = true;
+    if (message.has_frame() && message.frame().input_seq() == 4) {
+      EXPECT_TRUE(told);
+    }
+  }
+  ann.say(scene_message(1, config->config().scene()));
+  const auto refused = ann.link->inbox.next_of(Kind::kProblem);
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->problem().code(), "forbidden");
+  bob.attachment->closed();
+  EXPECT_FALSE(owner.link->inbox.ended(20ms));
+}
+
+TEST_F(HostTest, AFollowersOwnCameraFollowsTheSettingsAndNotTheCamera) {
+  const std::string id = new_id();
+  Viewer owner = attach(id);
+  Viewer ann = join(id);
+  const auto config = ann.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(config);
+  v1::ClientMessage own;
+  own.mutable_own_camera()->set_on(true);
+  ann.say(own);
+  const auto again = ann.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(again);
+  EXPECT_FALSE(again->config().follower());
+  EXPECT_EQ(worker->host().used(), 2U) << "it costs a slot, and is counted";
+  const v1::Scene mine = turned(again->config().scene(), 77);
+  ann.say(scene_message(5, mine));
+  ASSERT_TRUE(ann.follow([](const v1::Frame& frame) { return frame.input_seq() == 5; }));
+  const int before = device->scenes;
+  v1::Scene settings = turned(config->config().scene(), 3);
+  settings.mutable_transfer_function()->set_extinction_per_mm(0.123);
+  owner.say(scene_message(2, settings));
+  ASSERT_TRUE(owner.follow([](const v1::Frame& frame) { return frame.input_seq() == 2; }));
+  for (int i = 0; i < 400 && device->scenes < before + 2; ++i) std::this_thread::sleep_for(5ms);
+  EXPECT_GE(device->scenes, before + 2) << "both are rendered anew";
+  // Back to what the presenter sees, and the slot is free again.
+  own.mutable_own_camera()->set_on(false);
+  ann.say(own);
+  const auto back = ann.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(back);
+  EXPECT_TRUE(back->config().follower());
+  EXPECT_EQ(back->config().scene().camera().eye().x(), settings.camera().eye().x());
+  const auto frame = ann.link->inbox.next_of(Kind::kFrame);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->frame().seq(), 1U);
+  EXPECT_EQ(worker->host().used(), 1U);
+  // It also ends with its viewer.
+  own.mutable_own_camera()->set_on(true);
+  ann.say(own);
+  ASSERT_TRUE(ann.link->inbox.next_of(Kind::kConfig));
+  ann.attachment->closed();
+  EXPECT_EQ(worker->host().used(), 1U);
+  EXPECT_FALSE(owner.link->inbox.ended(20ms));
 }
 
 TEST_F(HostTest, ADrainTellsEverybodyToComeBackElsewhere) {

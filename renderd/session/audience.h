@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -45,6 +46,7 @@ struct Receiver {
   bool greeted = false;  ///< its Hello was accepted
   bool visible = true;
   diaphane::v1::Codec codec = diaphane::v1::CODEC_UNSPECIFIED;
+  std::shared_ptr<const diaphane::v1::Hello> hello;
   Canvas viewport{};               ///< that it has told; 0 x 0: none yet
   std::uint64_t newest_input = 0;  ///< of this connection
   TimePoint heard_at{};  ///< attached, last acknowledgement, or frame sent with none outstanding

@@ -55,6 +55,7 @@ Outcome receive_hello(SessionState& state, Receiver& receiver, const v1::Hello& 
   }
   Outcome outcome;
   receiver.codec = static_cast<v1::Codec>(*chosen);
+  receiver.hello = std::make_shared<const v1::Hello>(hello);
   receiver.needs_key = true;
   receiver.behind = true;
   if (hello.has_viewport()) {
@@ -109,9 +110,12 @@ Outcome receive_scene(SessionState& state, Receiver& receiver, const v1::SceneUp
 
   bool changed = viewport != state.wanted.viewport;
   if (update.has_scene()) {
-    if (const auto sound = check_scene(update.scene()); !sound) return refuse_update(sound.error());
-    if (!state.wanted.scene || !MessageDifferencer::Equals(*state.wanted.scene, update.scene())) {
-      state.wanted.scene = std::make_shared<const v1::Scene>(update.scene());
+    const bool camera_alone = state.camera_only && state.wanted.scene;
+    auto scene = std::make_shared<v1::Scene>(camera_alone ? *state.wanted.scene : update.scene());
+    if (camera_alone) *scene->mutable_camera() = update.scene().camera();
+    if (const auto sound = check_scene(*scene); !sound) return refuse_update(sound.error());
+    if (!state.wanted.scene || !MessageDifferencer::Equals(*state.wanted.scene, *scene)) {
+      state.wanted.scene = std::move(scene);
       changed = true;
     }
   }
@@ -290,6 +294,29 @@ void detach(SessionState& state, std::uint64_t connection, TimePoint now) {
   if (audience.presents(*leaving)) audience.presenter_left = now;
   std::erase_if(audience.receivers, [&](const auto& one) { return one.connection == connection; });
   if (audience.receivers.empty()) state.detached_since = now;
+}
+
+void use_own_camera(SessionState& state, Receiver& receiver, bool on, TimePoint now) {
+  receiver.own_camera = on;
+  if (on) return;
+  // As if it had just come: Config says that the frames count anew.
+  receiver.flight = {};
+  receiver.sent_epoch = 0;
+  receiver.shown.reset();
+  receiver.converged_told = false;
+  receiver.needs_key = true;
+  receiver.behind = true;
+  receiver.heard_at = now;
+  state.wanted.picture_again = true;
+}
+
+void follow(SessionState& state, const v1::Scene& presenters, TimePoint now) {
+  auto scene = std::make_shared<v1::Scene>(presenters);
+  if (state.wanted.scene) *scene->mutable_camera() = state.wanted.scene->camera();
+  if (state.wanted.scene && MessageDifferencer::Equals(*state.wanted.scene, *scene)) return;
+  state.wanted.scene = std::move(scene);
+  state.wanted.last_input = now;
+  ++state.wanted.version;
 }
 
 Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientMessage& message,

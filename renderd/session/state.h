@@ -33,6 +33,8 @@ struct SessionState {
   std::uint64_t measured_input = 0;
   std::optional<TimePoint> measured_since;
 
+  /// One follower's own: of his scenes the camera alone counts, the rest is the presenter's.
+  bool camera_only = false;
   bool unsaved = false;  ///< what Redis has is older than scene and presenter here
 };
 
@@ -69,6 +71,11 @@ struct Attached {
 Result<Attached> attach(SessionState& state, const Arrival& arrival, TimePoint now);
 /// What was under way to it counts no more. Nobody by that number: nothing happens.
 void detach(SessionState& state, std::uint64_t connection, TimePoint now);
+
+/// A follower goes to a camera of his own, or comes back and is sent everything anew.
+void use_own_camera(SessionState& state, Receiver& receiver, bool on, TimePoint now);
+/// Of a session with `camera_only`: the presenter's settings have changed.
+void follow(SessionState& state, const diaphane::v1::Scene& presenters, TimePoint now);
 
 /// Anything that a browser says. Nothing it says is trusted.
 Outcome receive(SessionState& state, std::uint64_t connection,

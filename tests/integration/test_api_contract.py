@@ -37,7 +37,7 @@ def test_who_is_not_signed_in_gets_nowhere(api, operation):  # noqa: F811
 def test_what_does_not_exist_is_not_found(api, one, operation):  # noqa: F811
     path, method, _ = operation
     for other in (None, "x", "0" * 36):
-        given = {} if other is None else {"data_set_id": other, "upload_id": other, "session_id": other}
+        given = {} if other is None else {"data_set_id": other, "upload_id": other, "session_id": other, "recording_id": other}
         answer = one.http.request(method, address(path, **given), headers={
             "Tus-Resumable": "1.0.0", "Upload-Offset": "0", "Content-Type": "application/offset+octet-stream"})
         assert answer.status_code == 404
@@ -126,6 +126,17 @@ def test_every_operation_of_the_contract_succeeds_somewhere(api, one):  # noqa: 
     session = one.http.post("/v1/sessions", json={"data_set_id": made}).json()["session_id"]
     one.http.post(f"/v1/sessions/{session}/tickets")
     one.http.get(f"/v1/sessions/{session}")
+    token = one.http.post(f"/v1/sessions/{session}/links").json()["token"]
+    client(api).post("/v1/join", json={"token": token, "key": "0" * 64})
+    one.http.delete(f"/v1/sessions/{session}/links")
+    one.http.post("/v1/recording-consent")
+    recording = {"format": "diaphane-interaction", "version": 1, "viewport": {"width": 64, "height": 64},
+                 "events": [{"at_ms": 0, "scene": {}}]}
+    recording = one.http.post("/v1/recordings", json=recording).json()["id"]
+    one.http.get(f"/v1/recordings/{recording}")
+    one.http.get("/v1/recordings")
+    one.http.delete(f"/v1/recordings/{recording}")
+    one.http.delete("/v1/recording-consent")
     for path in ("/v1/sessions", "/v1/data-sets", "/v1/me"):
         one.http.get(path)
     one.http.delete(f"/v1/sessions/{session}")

@@ -1,0 +1,92 @@
+#include "api/handlers/recording_format.h"
+
+namespace diaphane::api {
+namespace {
+
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+constexpr std::size_t kMostEvents = 20'000;
+constexpr std::int64_t kLongestPauseMs = 10'000;
+constexpr int kDeepest = 12;
+
+/// False when it is too deep, or holds what no scene has.
+bool strip(json& value, int depth) {
+  if (depth > kDeepest) return false;
+  if (value.is_object()) {
+    value.erase("name");
+    value.erase("picture");
+    for (auto& [key, part] : value.items()) {
+      if (key.size() > 64 || !strip(part, depth + 1)) return false;
+    }
+  } else if (value.is_array()) {
+    for (json& part : value) {
+      if (!strip(part, depth + 1)) return false;
+    }
+  } else if (value.is_string()) {
+    // Enumerations alone: what a person typed has a blank or a small letter somewhere.
+    return value.get_ref<const std::string&>().find_first_not_of(
+               "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") == std::string::npos;
+  }
+  return true;
+}
+
+bool is_count(const json& value, std::int64_t low, std::int64_t high) {
+  if (!value.is_number_integer() || (value.is_number_unsigned() && value > high)) return false;
+  return value.get<std::int64_t>() >= low && value.get<std::int64_t>() <= high;
+}
+
+/// The events as they are kept, or what is wrong with the first that is.
+std::string read_events(const json& given, ordered_json& kept, std::int64_t& last_ms) {
+  if (!given.is_array() || given.empty() || given.size() > kMostEvents) {
+    return "must be a list of 1 to 20000 events";
+  }
+  last_ms = 0;
+  for (const json& event : given) {
+    const bool scene = event.is_object() && event.contains("scene");
+    const bool camera = event.is_object() && event.contains("camera");
+    if (!event.is_object() || event.size() != 2 || scene == camera || !event.contains("at_ms")) {
+      return "each must have at_ms, and scene or camera";
+    }
+    if (kept.empty() && !scene) return "the first must have a scene";
+    if (!is_count(event["at_ms"], last_ms, last_ms + kLongestPauseMs) ||
+        (kept.empty() && event["at_ms"] != 0)) {
+      return "times begin with 0, do not fall, and pauses are at most 10 s";
+    }
+    const char* what = scene ? "scene" : "camera";
+    json look = event[what];
+    if (!look.is_object() || !strip(look, 0)) return "holds what is no scene";
+    last_ms = event["at_ms"].get<std::int64_t>();
+    kept.push_back({{"at_ms", last_ms}, {what, std::move(look)}});
+  }
+  return {};
+}
+
+}  // namespace
+
+Recording read_recording(Fields& in) {
+  Recording recording;
+  const std::string format = in.text("format", 1, 64);
+  if (format != "diaphane-interaction") in.wrong("format", "must be diaphane-interaction");
+  const std::int64_t version = in.integer("version", 1, 1);
+  const json viewport = in.any("viewport");
+  const bool sized = viewport.is_object() && viewport.size() == 2 && viewport.contains("width") &&
+                     viewport.contains("height") && is_count(viewport["width"], 16, 4096) &&
+                     is_count(viewport["height"], 16, 4096);
+  if (!sized) in.wrong("viewport", "must have width and height, 16 to 4096");
+  ordered_json events = ordered_json::array();
+  const std::string mistake = read_events(in.any("events"), events, recording.duration_ms);
+  if (!mistake.empty()) {
+    in.wrong("events", mistake);
+    return recording;
+  }
+  recording.events = static_cast<int>(events.size());
+  const ordered_json document{{"format", format},
+                              {"version", version},
+                              {"viewport", viewport},
+                              {"events", std::move(events)}};
+  recording.body = document.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+  return recording;
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "api/redis/client.h"
+#include "api/service/placement.h"
+
+namespace diaphane::api::redis {
+
+/// Links of live sessions as docs/contracts.md ("Redis") keeps them, beside the sessions that they
+/// lead to (docs/adr/0013). Thread-safe.
+class Links final : public LinkStore {
+ public:
+  struct Limits {
+    std::uint32_t life_s = 12 * 3600;
+    std::uint32_t per_session = 8;
+  };
+  explicit Links(Client& client) : Links(client, Limits()) {}
+  Links(Client& client, Limits limits) : client_(client), limits_(limits) {}
+
+  Result<void> make(std::string_view session_id, std::string_view user_id,
+                    std::string_view hash) override;
+  Result<SessionInfo> follow(std::string_view hash) override;
+  Result<void> end_links(std::string_view session_id) override;
+
+ private:
+  Client& client_;
+  Limits limits_;
+};
+
+}  // namespace diaphane::api::redis

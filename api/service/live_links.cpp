@@ -1,0 +1,65 @@
+#include "api/service/live_links.h"
+
+#include "api/service/secrets.h"
+#include "common/ids.h"
+
+namespace diaphane::api {
+namespace {
+
+tl::unexpected<Problem> no_such_session() {
+  return refuse(ProblemKind::kNotFound, "There is no such session.");
+}
+
+tl::unexpected<Problem> no_such_link() {
+  return refuse(ProblemKind::kNotFound, "This link was ended, or never was one.");
+}
+
+}  // namespace
+
+Outcome<void> LiveLinks::check_owner(const Principal& who, const std::string& session_id) {
+  if (!is_id(session_id)) return no_such_session();
+  const auto session = placement_.find(session_id);
+  if (!session && session.error().code != ErrorCode::kNotFound) return refuse(session.error());
+  if (!session || session->user_id != who.user_id) return no_such_session();
+  return {};
+}
+
+Outcome<std::string> LiveLinks::make(const Principal& who, const std::string& session_id) {
+  if (auto mine = check_owner(who, session_id); !mine) return tl::unexpected(mine.error());
+  std::string token = random_hex(32);
+  const auto made = links_.make(session_id, who.user_id, blake2b(token));
+  if (!made && made.error().code == ErrorCode::kNotFound) return no_such_session();
+  if (!made) return refuse(made.error());
+  return token;
+}
+
+Outcome<void> LiveLinks::end(const Principal& who, const std::string& session_id) {
+  if (auto mine = check_owner(who, session_id); !mine) return tl::unexpected(mine.error());
+  if (auto done = links_.end_links(session_id); !done) return refuse(done.error());
+  return {};
+}
+
+Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::string& key,
+                                           const std::string& name) {
+  if (!is_token(token)) return no_such_link();
+  const std::string hash = blake2b(token);
+  const auto session = links_.follow(hash);
+  if (!session && session.error().code == ErrorCode::kNotFound) return no_such_link();
+  if (!session) return refuse(session.error());
+  // The owner may have lost the data set since: then nobody sees it any more.
+  Principal owner;
+  owner.user_id = session->user_id;
+  if (!data_sets_.find_ready(owner, session->data_set_id)) return no_such_link();
+
+  const std::string participant = id_from("participant\n" + session->id + "\n" + key);
+  const auto placed = placement_.place(
+      {session->id, session->user_id, session->data_set_id, participant, name, hash});
+  if (placed) return Joined{participant, "/stream?ticket=" + placed->ticket};
+  if (placed.error().code == ErrorCode::kNotFound) return no_such_link();
+  if (placed.error().code == ErrorCode::kUnavailable && placement_.reachable()) {
+    return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));
+  }
+  return refuse(placed.error());
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+
+#include "api/service/data_sets.h"
+#include "api/service/placement.h"
+#include "api/service/problem.h"
+
+namespace diaphane::api {
+
+/// Joining somebody's session by a link that its owner can end. Who has the link sees the pictures
+/// and who else is there, and nothing else of the owner; no account is needed. Thread-safe.
+class LiveLinks {
+ public:
+  struct Joined {
+    std::string participant;  ///< id of the guest, the same for the same key
+    std::string stream_url;   ///< as of Sessions::Stream
+  };
+
+  LiveLinks(DataSets& data_sets, Placement& placement, LinkStore& links)
+      : data_sets_(data_sets), placement_(placement), links_(links) {}
+
+  /// The token of a new link: shown this once, kept as a hash. kNotFound (the session), kTooMany.
+  Outcome<std::string> make(const Principal& who, const std::string& session_id);
+  /// Every link of the session; who came by them is sent away.
+  Outcome<void> end(const Principal& who, const std::string& session_id);
+  /// `key`: 64 hexadecimal digits of the guest's own, by which he is the same person when he comes
+  /// back. kNotFound: the link was ended, has expired or never was; else as Sessions::ticket.
+  Outcome<Joined> join(const std::string& token, const std::string& key, const std::string& name);
+
+ private:
+  Outcome<void> check_owner(const Principal& who, const std::string& session_id);
+
+  DataSets& data_sets_;
+  Placement& placement_;
+  LinkStore& links_;
+};
+
+}  // namespace diaphane::api

@@ -1,0 +1,2 @@
+DROP TABLE recordings;
+ALTER TABLE users DROP COLUMN recording_consent_at;

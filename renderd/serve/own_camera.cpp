@@ -1,0 +1,85 @@
+// A follower with a camera of his own: a session of his own beside the group's (docs/adr/0013).
+#include "renderd/serve/live_session.h"
+
+namespace diaphane::render {
+
+void LiveSession::dismiss() {
+  {
+    const std::lock_guard lock(mutex_);
+    links_.clear();
+  }
+  end({ErrorCode::kConflict, "Nobody needs it any more.", {}});
+  on_ended_();
+}
+
+void LiveSession::follow(const v1::Scene& presenters) {
+  {
+    const std::lock_guard lock(mutex_);
+    render::follow(state_, presenters, parts_.clock.now());
+    version_.store(state_.wanted.version, std::memory_order_relaxed);
+  }
+  parts_.runner.wake();
+}
+
+// The group's lock is not held while the host makes a session: the host has a lock of its own,
+// under which it asks sessions.
+void LiveSession::change_camera(std::uint64_t connection, bool own) {
+  Branch wanted;
+  {
+    const std::lock_guard lock(mutex_);
+    Receiver* const receiver = state_.audience.find(connection);
+    if (!receiver || ended_) return;
+    if (own) {
+      wanted = {receiver->participant, state_.wanted.scene,
+                receiver->viewport.width ? receiver->viewport : state_.wanted.viewport};
+    }
+  }
+  auto made = own ? parts_.branch(*this, wanted) : std::shared_ptr<LiveSession>();
+  std::shared_ptr<LiveSession> unused;
+  {
+    const std::lock_guard lock(mutex_);
+    Receiver* const receiver = state_.audience.find(connection);
+    const auto link = links_.find(connection);
+    unused = take_branch(connection);
+    if (!made) {
+      v1::ServerMessage message;
+      *message.mutable_problem() = problem_of(made.error(), 0, false);
+      send(connection, message);
+    } else if (!receiver || link == links_.end() || ended_ ||
+               (own && state_.audience.presents(*receiver))) {
+      unused = *made;  // it left, or became the presenter, meanwhile
+    } else if (own) {
+      const auto there = (*made)->attach(link->second, {receiver->participant, receiver->name, {}},
+                                         (*made)->placement());
+      branches_[connection] = {*made, there.value_or(0)};
+      use_own_camera(state_, *receiver, true, parts_.clock.now());
+      v1::ClientMessage greeting;
+      *greeting.mutable_hello() = *receiver->hello;
+      (*made)->receive(*there, greeting.SerializeAsString());
+      close_unused_lanes();
+      tell_audience();
+    } else {
+      use_own_camera(state_, *receiver, false, parts_.clock.now());
+      if (open_lane(receiver->codec)) send_config(connection);
+      tell_audience();
+    }
+  }
+  if (unused) unused->dismiss();
+  parts_.runner.wake();
+}
+
+std::shared_ptr<LiveSession> LiveSession::take_branch(std::uint64_t connection) {
+  const auto found = branches_.find(connection);
+  if (found == branches_.end()) return nullptr;
+  std::shared_ptr<LiveSession> session = std::move(found->second.session);
+  branches_.erase(found);
+  return session;
+}
+
+void LiveSession::lead_branches() {
+  if (led_ == state_.wanted.scene || !state_.wanted.scene) return;
+  led_ = state_.wanted.scene;
+  for (const auto& [connection, own] : branches_) own.session->follow(*led_);
+}
+
+}  // namespace diaphane::render
