@@ -1,4 +1,4 @@
-import type { DataSet, Me, PresetName, ProblemBody, Stream } from "./types";
+import type { DataSet, Me, PresetName, ProblemBody, Recordings, Stream } from "./types";
 
 /** A refusal of the server (RFC 9457), or, with `status` 0, no answer at all. */
 export class ApiProblem extends Error {
@@ -115,6 +115,35 @@ export class Api {
     await this.send("DELETE", `/v1/sessions/${session_id}`, undefined, { keepalive: true });
   }
 
+  create_link(session_id: string): Promise<{ token: string; path: string }> {
+    return this.json("POST", `/v1/sessions/${session_id}/links`);
+  }
+
+  async end_links(session_id: string): Promise<void> {
+    await this.send("DELETE", `/v1/sessions/${session_id}/links`);
+  }
+
+  /** No account is needed. */
+  join(token: string, key: string, name: string, signal?: AbortSignal): Promise<{ participant: string; stream_url: string }> {
+    return this.json("POST", "/v1/join", { token, key, name }, signal ? { signal } : {});
+  }
+
+  recordings(): Promise<Recordings> {
+    return this.json("GET", "/v1/recordings");
+  }
+
+  async record_interaction(consent: boolean): Promise<void> {
+    await this.send(consent ? "POST" : "DELETE", "/v1/recording-consent");
+  }
+
+  async keep_recording(recording: object, keepalive: boolean): Promise<void> {
+    await this.send("POST", "/v1/recordings", recording, { keepalive });
+  }
+
+  async delete_recording(id: string): Promise<void> {
+    await this.send("DELETE", `/v1/recordings/${id}`);
+  }
+
   async thumbnail(data_set_id: string, preset: PresetName, signal: AbortSignal): Promise<Blob> {
     const response = await this.send("GET", thumbnail_path(data_set_id, preset), undefined, { signal });
     return response.blob();
@@ -151,6 +180,8 @@ export class Api {
     return response;
   }
 }
+
+export const recording_path = (id: string): string => `/v1/recordings/${id}`;
 
 export const thumbnail_path = (data_set_id: string, preset: PresetName): string =>
   `/v1/data-sets/${data_set_id}/thumbnails/${preset}`;

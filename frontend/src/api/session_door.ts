@@ -28,6 +28,24 @@ export function session_door(api: SessionApi, data_set_id: string, known: string
   };
 }
 
+/** What of the API a guest's door needs. */
+export interface JoinApi {
+  join(token: string, key: string, name: string, signal?: AbortSignal): Promise<{ readonly stream_url: string }>;
+}
+
+/** Leads to somebody's session by a link; the same key is the same guest again. */
+export function guest_door(api: JoinApi, token: string, key: string, name: string): Door {
+  return async (signal) => {
+    try {
+      return { ok: true, url: (await api.join(token, key, name, signal)).stream_url };
+    } catch (thrown) {
+      if (!(thrown instanceof ApiProblem)) throw thrown;
+      if (thrown.status === 404) return { ok: false, trouble: "link_ended", final: true };
+      return { ok: false, ...refusal(thrown), retry_after_ms: thrown.retry_after_ms };
+    }
+  };
+}
+
 async function again(api: SessionApi, id: string, signal: AbortSignal): Promise<Stream | null> {
   try {
     return await api.create_ticket(id, signal);

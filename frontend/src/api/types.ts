@@ -49,3 +49,16 @@ export interface ProblemBody {
 
 export type PresetName = "skin" | "muscle" | "vessels" | "bone";
 export const preset_names: readonly PresetName[] = ["skin", "muscle", "vessels", "bone"];
+
+export interface RecordingInfo {
+  readonly id: string;
+  readonly events: number;
+  readonly duration_ms: number;
+  readonly created_at: string;
+  readonly expires_at: string;
+}
+
+export interface Recordings {
+  readonly consent: boolean;
+  readonly items: readonly RecordingInfo[];
+}

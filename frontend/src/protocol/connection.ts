@@ -14,7 +14,7 @@ export type Phase =
   | "stopped";
 
 /** Why there is no picture (yet), as a key of the texts. */
-export type Trouble = "lost" | "worker_lost" | "no_worker" | "unreachable" | "not_found" | "not_ready" | "signed_out" | "refused" | "taken_over";
+export type Trouble = "lost" | "worker_lost" | "no_worker" | "unreachable" | "not_found" | "not_ready" | "signed_out" | "refused" | "taken_over" | "link_ended";
 
 export interface ConnectionState {
   readonly phase: Phase;
@@ -107,6 +107,8 @@ export function advance(state: ConnectionState, event: ConnectionEvent, spread: 
       // Two windows that each come back by themselves would take the session from each other for ever.
       if (event.code === taken_over)
         return { state: { ...state, phase: "elsewhere", trouble: "taken_over" }, effects: [{ kind: "disarm" }, { kind: "close" }] };
+      if (event.code === link_ended)
+        return { state: { ...state, phase: "stopped", trouble: "link_ended" }, effects: [{ kind: "disarm" }, { kind: "close" }] };
       return later(trouble_of_close(event.code));
     case "timeout":
       if (state.phase === "waiting") return ask(state);
@@ -124,6 +126,7 @@ export function advance(state: ConnectionState, event: ConnectionEvent, spread: 
 
 /** Close codes of docs/contracts.md, "Stream". */
 const taken_over = 4409;
+const link_ended = 4410;
 
 function trouble_of_close(code: number): Trouble {
   switch (code) {

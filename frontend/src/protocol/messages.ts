@@ -5,8 +5,10 @@ import {
   AckSchema,
   ClientMessageSchema,
   Codec,
+  HandoverSchema,
   HelloSchema,
   NeedKeySchema,
+  OwnCameraSchema,
   SceneUpdateSchema,
   ServerMessageSchema,
   StillFormat,
@@ -18,7 +20,7 @@ import {
 import { CameraSchema, SceneSchema, TransferFunctionSchema, Vec3Schema, type Scene } from "./gen/api/proto/scene_pb";
 
 export { Codec, StillFormat };
-export type { Config, Frame, Problem, State, Stats, Still } from "./gen/api/proto/stream_pb";
+export type { Audience, Config, Frame, Look, Participant, Problem, State, Stats, Still } from "./gen/api/proto/stream_pb";
 export type { Preset, Scene } from "./gen/api/proto/scene_pb";
 export type { VolumeHeader } from "./gen/api/proto/volume_pb";
 export type { ServerMessage };
@@ -98,6 +100,15 @@ export function encode_need_key(): Bytes {
   return encoded(create(ClientMessageSchema, { body: { case: "needKey", value: create(NeedKeySchema) } }));
 }
 
+/** The presenter's role, to a participant. */
+export function encode_handover(to: string): Bytes {
+  return encoded(create(ClientMessageSchema, { body: { case: "handover", value: create(HandoverSchema, { to }) } }));
+}
+
+export function encode_own_camera(on: boolean): Bytes {
+  return encoded(create(ClientMessageSchema, { body: { case: "ownCamera", value: create(OwnCameraSchema, { on }) } }));
+}
+
 export function encode_visibility(visible: boolean): Bytes {
   const value = create(VisibilitySchema, { visible });
   return encoded(create(ClientMessageSchema, { body: { case: "visibility", value } }));
@@ -133,6 +144,12 @@ export function same_look(a: Scene, b: Scene): boolean {
   if (!a.transferFunction || !b.transferFunction) return a.transferFunction === b.transferFunction;
   return equals(TransferFunctionSchema, a.transferFunction, b.transferFunction);
 }
+
+/** Whether two scenes are one seen from different places. */
+export const same_but_for_camera = (a: Scene, b: Scene): boolean =>
+  equals(SceneSchema, create(SceneSchema, { ...a, camera: undefined }), create(SceneSchema, { ...b, camera: undefined }));
+
+export const camera_to_json = (scene: Scene): string => (scene.camera ? toJsonString(CameraSchema, scene.camera) : "null");
 
 export const scene_to_json = (scene: Scene): string => toJsonString(SceneSchema, scene);
 

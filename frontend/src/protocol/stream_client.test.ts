@@ -4,8 +4,10 @@ import { SceneSchema, type Scene } from "./gen/api/proto/scene_pb";
 import {
   ClientMessageSchema,
   Codec,
+  AudienceSchema,
   ConfigSchema,
   FrameSchema,
+  LookSchema,
   ServerMessageSchema,
   StillFormat,
   type ClientMessage,
@@ -24,6 +26,7 @@ class World {
   frames: (() => void)[] = [];
   seen: string[] = [];
   configs: (number | undefined)[] = [];
+  looks: (number | undefined)[] = [];
   doors = 0;
   client: StreamClient;
 
@@ -51,6 +54,8 @@ class World {
         frame: () => this.seen.push("frame"),
         still: () => this.seen.push("still"),
         state: () => undefined,
+        audience: () => this.seen.push("audience"),
+        look: (scene) => this.looks.push(scene.camera?.eye?.x),
         stats: () => undefined,
         problem: () => this.seen.push("problem"),
       },
@@ -61,8 +66,8 @@ class World {
   say(body: ServerMessage["body"]): void {
     this.sockets.at(-1)?.message(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body })));
   }
-  config(x: number, input_seq: number): void {
-    this.say({ case: "config", value: create(ConfigSchema, { scene: scene(x), inputSeq: BigInt(input_seq) }) });
+  config(x: number, input_seq: number, follower = false): void {
+    this.say({ case: "config", value: create(ConfigSchema, { scene: scene(x), inputSeq: BigInt(input_seq), follower }) });
   }
   screen(): void {
     for (const task of this.frames.splice(0)) task();
@@ -217,5 +222,59 @@ describe("the stream client", () => {
     await world.live();
     world.client.need_key();
     expect(world.sent.map((m) => m.body.case)).toEqual(["hello", "needKey"]);
+  });
+
+  const audience = (presenter: string, own_camera = false) =>
+    world.say({
+      case: "audience",
+      value: create(AudienceSchema, { you: "me", presenter, participants: [{ id: "me", ownCamera: own_camera }, { id: "ann", presenter: presenter === "ann" }] }),
+    });
+
+  it("says no scene as a follower, not even one of before, and takes the presenter's for its own", async () => {
+    await world.live(1, 0);
+    world.client.set_scene(scene(5));
+    await Promise.resolve();
+    world.config(9, 3, true);
+    world.client.set_scene(scene(6));
+    world.screen();
+    expect(world.updates()).toEqual([{ seq: 1, x: 5 }]);
+    expect(world.configs.at(-1)).toBe(9);
+    world.say({ case: "look", value: create(LookSchema, { scene: scene(10), inputSeq: 4n }) });
+    expect(world.looks).toEqual([10]);
+  });
+
+  it("speaks again when the presenter's role comes to it, and no more when it goes", async () => {
+    await world.live(1, 0);
+    world.config(9, 3, true);
+    audience("ann");
+    audience("me");
+    world.client.set_scene(scene(6));
+    expect(world.updates().at(-1)?.x).toBe(6);
+    audience("ann");
+    world.client.set_scene(scene(7));
+    world.screen();
+    expect(world.updates().at(-1)?.x).toBe(6);
+    world.client.hand_over("ann");
+    expect(world.sent.at(-1)?.body).toMatchObject({ case: "handover", value: { to: "ann" } });
+  });
+
+  it("comes back to its own camera over another connection", async () => {
+    await world.live(1, 0);
+    world.config(9, 3, true);
+    world.client.use_own_camera(true);
+    world.config(9, 0, false);
+    audience("ann", true);
+    world.client.set_scene(scene(44));
+    world.screen();
+    world.sockets.at(-1)?.closed(4503);
+    world.timeout();
+    await Promise.resolve();
+    await Promise.resolve();
+    world.sockets.at(-1)?.opened();
+    world.config(9, 3, true);
+    expect(world.sent.at(-1)?.body).toMatchObject({ case: "ownCamera", value: { on: true } });
+    world.config(9, 0, false);
+    world.screen();
+    expect(world.updates().at(-1)?.x).toBe(44);
   });
 });

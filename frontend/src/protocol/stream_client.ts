@@ -1,12 +1,18 @@
+import type { CameraPose } from "../input/camera";
 import { advance, first_state, type ConnectionEffect, type ConnectionEvent, type ConnectionState, type Trouble } from "./connection";
 import {
   decode_server_message,
   encode_ack,
+  encode_handover,
   encode_hello,
   encode_need_key,
+  encode_own_camera,
   encode_scene,
   encode_visibility,
+  camera_of,
+  with_camera,
   type Abilities,
+  type Audience,
   type Config,
   type Frame,
   type FrameTimes,
@@ -53,6 +59,10 @@ export interface StreamEvents {
   config(config: Config): void;
   frame(frame: Frame): void;
   still(still: Still): void;
+  /** Who is here; this page may have become, or may be no more, the presenter's. */
+  audience(audience: Audience): void;
+  /** The scene as the presenter has it. */
+  look(scene: Scene): void;
   state(state: State): void;
   stats(stats: Stats): void;
   problem(problem: Problem): void;
@@ -77,6 +87,11 @@ export class StreamClient {
   private scene_pending_ = false;
   private viewport_pending_ = false;
   private holding_ = false;
+  /** The scene is this page's to change: it presents, or has a camera of its own. */
+  private leads_ = true;
+  private own_camera_ = false;
+  /** Where the own camera was before the connection was lost. */
+  private own_pose_: CameraPose | null = null;
 
   constructor(
     private readonly around_: Surroundings,
@@ -115,7 +130,23 @@ export class StreamClient {
     this.input_seq_ = input_seq;
   }
 
+  get leads(): boolean {
+    return this.leads_;
+  }
+
+  hand_over(to: string): void {
+    if (this.state_.phase === "live") this.socket_?.send(encode_handover(to));
+  }
+
+  /** A camera of one's own, or the presenter's again; also over a reconnection. */
+  use_own_camera(on: boolean): void {
+    this.own_camera_ = on;
+    this.own_pose_ = null;
+    if (this.state_.phase === "live") this.socket_?.send(encode_own_camera(on));
+  }
+
   set_scene(scene: Scene): void {
+    if (!this.leads_) return;
     this.scene_ = scene;
     this.scene_pending_ = true;
     this.plan_flush();
@@ -180,6 +211,7 @@ export class StreamClient {
     this.happened({ kind: "configured" });
     if (this.state_.phase !== "live") return;
     const seen = Number(config.inputSeq);
+    this.take_role(config);
     // What this page wanted last and the worker has not seen (lost on the way, or a new session) wins.
     if (this.scene_ && (this.scene_pending_ || seen < this.input_seq_)) this.scene_pending_ = true;
     else if (config.scene) this.scene_ = config.scene;
@@ -187,6 +219,36 @@ export class StreamClient {
     if (!this.visible_) this.socket_?.send(encode_visibility(false));
     this.events_.config(this.scene_ ? { ...config, scene: this.scene_ } : config);
     this.plan_flush();
+  }
+
+  /** Whose the scene is from here on. */
+  private take_role(config: Config): void {
+    if (config.follower) {
+      if (this.own_camera_) {
+        // It comes back over a new connection, which does not know of the own camera yet.
+        if (this.leads_ && this.scene_) this.own_pose_ = camera_of(this.scene_);
+        this.socket_?.send(encode_own_camera(true));
+      }
+      this.leads_ = false;
+      this.scene_pending_ = false;
+      this.scene_ = null;
+    } else if (!this.leads_) {
+      this.leads_ = true;
+      this.scene_ = null; // the presenter's is the newest
+      const scene = config.scene;
+      if (this.own_pose_ && scene) {
+        this.scene_ = with_camera(scene, this.own_pose_);
+        this.scene_pending_ = true;
+      }
+      this.own_pose_ = null;
+    }
+  }
+
+  private heard_audience(audience: Audience): void {
+    const me = audience.participants.find(({ id }) => id === audience.you);
+    this.leads_ = audience.presenter === audience.you || (me?.ownCamera ?? false);
+    if (!this.leads_) this.scene_pending_ = false;
+    this.events_.audience(audience);
   }
 
   private received(data: Uint8Array): void {
@@ -213,6 +275,14 @@ export class StreamClient {
         break;
       case "stats":
         this.events_.stats(body.value);
+        break;
+      case "audience":
+        this.heard_audience(body.value);
+        break;
+      case "look":
+        if (!body.value.scene || (this.own_camera_ && this.leads_)) break;
+        this.scene_ = body.value.scene;
+        this.events_.look(body.value.scene);
         break;
       case "problem":
         this.events_.problem(body.value);

@@ -1,6 +1,5 @@
 import { signal } from "@preact/signals";
-import type { Api } from "../api/client";
-import { session_door } from "../api/session_door";
+import type { Place } from "../live/place";
 import { apply_gesture } from "../input/apply_gesture";
 import { fitted_to_aspect, type CameraPose } from "../input/camera";
 import type { Gesture } from "../input/gestures";
@@ -12,6 +11,7 @@ import {
   with_camera,
   within_bounds,
   type Abilities,
+  type Audience,
   type Codec,
   type Config,
   type Frame,
@@ -68,6 +68,8 @@ export class ViewerSession {
   readonly volume = signal<VolumeHeader | null>(null);
   readonly presets = signal<readonly Preset[]>([]);
   readonly scene = signal<Scene | null>(null);
+  /** Who is here, once it is known. */
+  readonly audience = signal<Audience | null>(null);
   /** What the server said about the last input it refused. */
   readonly problem = signal("");
 
@@ -81,13 +83,12 @@ export class ViewerSession {
   private remembering_: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
-    private readonly api_: Api,
-    readonly data_set_id: string,
+    private readonly place_: Place,
     private readonly painter_: Painter,
     size: Viewport,
     private abilities_: Abilities,
   ) {
-    const before = remembered_view(sessionStorage, data_set_id);
+    const before = remembered_view(sessionStorage, place_.key);
     this.session_id_ = before.session_id;
     this.viewport_ = within_bounds(size, longest_side);
     this.painter_.resize(this.viewport_);
@@ -98,7 +99,7 @@ export class ViewerSession {
     const now_ms = () => performance.now();
     this.client_ = new StreamClient(
       {
-        door: session_door(api_, data_set_id, before.session_id, (id) => (this.session_id_ = id)),
+        door: place_.door(before.session_id, (id) => (this.session_id_ = id)),
         open_socket: open_browser_socket,
         next_frame: (task) => requestAnimationFrame(task),
         after,
@@ -118,6 +119,8 @@ export class ViewerSession {
           this.converged_epoch_ = state.converged ? Number(state.epoch) : -1;
           this.converged.value = this.converged_epoch_ === this.picture.value?.epoch;
         },
+        audience: (audience) => (this.audience.value = audience),
+        look: (scene) => (this.scene.value = scene),
         stats: (stats) => (this.samples_per_second.value = stats.samplesPerSecond),
         problem: (problem) => (this.problem.value = problem.message),
       },
@@ -163,7 +166,28 @@ export class ViewerSession {
     this.client_.stop();
     this.size_teller_.stop();
     this.pipeline_.close();
-    if (id !== null) void this.api_.end_session(id).catch(() => undefined);
+    this.place_.leave(id);
+  }
+
+  get data_set_id(): string | null {
+    return this.place_.data_set_id;
+  }
+
+  get session_id(): string | null {
+    return this.session_id_;
+  }
+
+  /** In device pixels. */
+  get viewport(): Viewport {
+    return this.viewport_;
+  }
+
+  hand_over(to: string): void {
+    this.client_.hand_over(to);
+  }
+
+  use_own_camera(on: boolean): void {
+    this.client_.use_own_camera(on);
   }
 
   wake(): void {
@@ -211,7 +235,7 @@ export class ViewerSession {
 
   /** At once: the page may be about to go. */
   remember(): void {
-    remember_view(sessionStorage, this.data_set_id, {
+    remember_view(sessionStorage, this.place_.key, {
       session_id: this.session_id_,
       scene: this.scene.value,
       input_seq: this.client_.input_seq,
@@ -232,6 +256,7 @@ export class ViewerSession {
   }
 
   private set_scene(scene: Scene): void {
+    if (!this.client_.leads) return; // a follower looks on
     this.scene.value = scene;
     this.problem.value = "";
     this.client_.set_scene(scene);
@@ -246,7 +271,7 @@ export class ViewerSession {
     this.volume.value = config.volume ?? null;
     this.presets.value = config.presets;
     this.scene.value = config.scene ?? null;
-    const untouched = config.inputSeq === 0n && this.client_.input_seq === 0;
+    const untouched = !config.follower && config.inputSeq === 0n && this.client_.input_seq === 0;
     const narrow = this.viewport_.width < this.viewport_.height;
     if (untouched && narrow) this.reset_camera();
     this.remember_soon();

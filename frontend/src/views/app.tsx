@@ -2,11 +2,12 @@ import { useEffect } from "preact/hooks";
 import { t } from "../texts/en";
 import { SignIn, SignUp, Verify } from "./account";
 import { Add } from "./add";
+import { Join } from "./join";
 import { navigate, route } from "./router";
 import { Scans } from "./scans";
 import { Notice, PageTitle, Shell } from "./shell";
 import { AppContext, useApp, type AppState } from "./state";
-import { Viewer } from "./viewer/viewer";
+import { OwnViewer } from "./viewer/viewer";
 
 export function App({ state }: { readonly state: AppState }) {
   return (
@@ -22,6 +23,7 @@ function Page() {
   const me = app.me.value;
 
   if (at.page === "verify") return <Shell><Verify token={at.token} /></Shell>;
+  if (at.page === "join") return <Join key={at.token} token={at.token} />;
   if (app.unreachable.value)
     return (
       <Shell>
@@ -42,7 +44,7 @@ function Page() {
     case "add":
       return <Shell><Add /></Shell>;
     case "view":
-      return <Viewer key={at.data_set_id} data_set_id={at.data_set_id} />;
+      return <OwnViewer key={at.data_set_id} data_set_id={at.data_set_id} />;
     case "scans":
       return <Shell><Scans /></Shell>;
     default:

@@ -3,7 +3,7 @@ import type { ComponentChildren } from "preact";
 
 export type Route =
   | { readonly page: "scans" | "add" | "sign_in" | "sign_up" | "not_found" }
-  | { readonly page: "verify"; readonly token: string }
+  | { readonly page: "verify" | "join"; readonly token: string }
   | { readonly page: "view"; readonly data_set_id: string };
 
 export function route_of(path: string, hash: string): Route {
@@ -20,6 +20,8 @@ export function route_of(path: string, hash: string): Route {
       return { page: "sign_up" };
     case "verify":
       return { page: "verify", token: new URLSearchParams(hash.slice(1)).get("token") ?? "" };
+    case "join":
+      return /^#[0-9a-f]{64}$/.test(hash) ? { page: "join", token: hash.slice(1) } : { page: "not_found" };
     case "view":
       return /^[0-9a-f-]{36}$/.test(second) ? { page: "view", data_set_id: second } : { page: "not_found" };
     default:
@@ -30,6 +32,7 @@ export function route_of(path: string, hash: string): Route {
 const here = () => route_of(location.pathname, location.hash);
 
 export const route = signal<Route>(here());
+addEventListener("hashchange", () => (route.value = here()));
 addEventListener("popstate", () => (route.value = here()));
 
 export function navigate(path: string, replace = false): void {

@@ -29,7 +29,7 @@ const is_known = (name: string): name is PresetName => (preset_names as readonly
 
 function PresetButton({ session, preset, digit, pressed }: PresetButtonProps) {
   const name = is_known(preset.name) ? preset.name : null;
-  const url = use_thumbnail(session.data_set_id, name ?? "skin", name !== null);
+  const url = use_thumbnail(session.data_set_id ?? "", name ?? "skin", name !== null && session.data_set_id !== null);
   return (
     <button
       type="button"

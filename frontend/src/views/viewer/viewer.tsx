@@ -1,7 +1,9 @@
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { DataSet } from "../../api/types";
 import { attach_gestures } from "../../input/attach";
 import { command_of, type KeyCommand } from "../../input/keys";
+import { own_place, type Place } from "../../live/place";
+import { role_of } from "../../live/role";
 import { t } from "../../texts/en";
 import { device_pixels, watch_device_pixels } from "../../video/canvas_size";
 import { chosen_codecs, probe_codecs } from "../../video/ladder";
@@ -14,24 +16,38 @@ import { title_of } from "../scan_card";
 import { useApp } from "../state";
 import { ThemeSwitch } from "../shell";
 import { HelpDialog } from "./help_dialog";
+import { LiveLine } from "./live_line";
 import { OrientationCube } from "./orientation_cube";
 import { Presets } from "./presets";
 import { QualityPanel } from "./quality_panel";
+import { RecordedInteraction, RecordingDialog } from "./recording";
+import { ShareDialog } from "./share_dialog";
 import { StatusLine } from "./status_line";
 
-export function Viewer({ data_set_id }: { readonly data_set_id: string }) {
+/** One's own scan. */
+export function OwnViewer({ data_set_id }: { readonly data_set_id: string }) {
   const app = useApp();
-  const page = useRef<HTMLDivElement>(null);
-  const canvas = useRef<HTMLCanvasElement>(null);
-  const [session, set_session] = useState<ViewerSession | null>(null);
   const [set, set_set] = useState<DataSet | null>(null);
-  const [fault, set_fault] = useState("");
-  const [help, set_help] = useState(false);
-  const title = set ? title_of(set) : "";
-
+  const place = useMemo(() => own_place(app.api, data_set_id), [app, data_set_id]);
   useEffect(() => {
     app.api.data_set(data_set_id).then(set_set, () => undefined); // the stream says what is wrong
   }, [app, data_set_id]);
+  return <Viewer place={place} title={set ? title_of(set) : ""} />;
+}
+
+export interface ViewerProps {
+  readonly place: Place;
+  readonly title: string;
+}
+
+export function Viewer({ place, title }: ViewerProps) {
+  const page = useRef<HTMLDivElement>(null);
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const [session, set_session] = useState<ViewerSession | null>(null);
+  const [fault, set_fault] = useState("");
+  const [open, set_open] = useState<"help" | "share" | "recording" | null>(null);
+  const own = place.data_set_id !== null;
+  const role = role_of(session?.audience.value ?? null);
 
   useEffect(() => {
     document.title = `${title || t.titles.view} · ${t.name}`;
@@ -48,7 +64,7 @@ export function Viewer({ data_set_id }: { readonly data_set_id: string }) {
         set_fault(t.viewer.no_codec);
         return;
       }
-      opened = new ViewerSession(app.api, data_set_id, new Painter(element), device_pixels(element), { codecs, stills });
+      opened = new ViewerSession(place, new Painter(element), device_pixels(element), { codecs, stills });
       connect_page(opened, element, leaving.signal);
       opened.start();
       set_session(opened);
@@ -57,7 +73,7 @@ export function Viewer({ data_set_id }: { readonly data_set_id: string }) {
       leaving.abort();
       opened?.leave();
     };
-  }, [app, data_set_id]);
+  }, [place]);
 
   const obey = (command: KeyCommand) => {
     if (!session) return;
@@ -80,7 +96,7 @@ export function Viewer({ data_set_id }: { readonly data_set_id: string }) {
         void save_picture(session);
         break;
       case "help":
-        set_help(true);
+        set_open("help");
         break;
     }
   };
@@ -112,7 +128,7 @@ export function Viewer({ data_set_id }: { readonly data_set_id: string }) {
       </main>
       <header class="viewer-top">
         <div class="glass viewer-title">
-          <Link href="/scans" class="icon-button" label={t.viewer.back}><Icon name="back" /></Link>
+          {own ? <Link href="/scans" class="icon-button" label={t.viewer.back}><Icon name="back" /></Link> : null}
           <h1>{title}</h1>
         </div>
         <div class="glass viewer-tools">
@@ -120,18 +136,31 @@ export function Viewer({ data_set_id }: { readonly data_set_id: string }) {
           {tool("screenshot", "camera")}
           {tool("fullscreen", "fullscreen")}
           <ThemeSwitch />
+          {own ? (
+            <button type="button" class="icon-button tool-recording" aria-label={t.recording.open} title={t.recording.open} onClick={() => set_open("recording")}>
+              <Icon name="record" />
+            </button>
+          ) : null}
+          <button type="button" class="icon-button tool-share" aria-label={t.live.open} title={t.live.open} onClick={() => set_open("share")}>
+            <Icon name="people" />
+            {role.others > 0 ? <span class="count" aria-hidden="true">{role.others + 1}</span> : null}
+          </button>
           {tool("help", "help")}
         </div>
       </header>
       <StatusLine session={session} fault={fault} />
+      {session && role.follows ? <LiveLine session={session} role={role} /> : null}
       {session ? (
         <>
           <OrientationCube session={session} />
-          <Presets session={session} />
+          {role.presents ? <Presets session={session} /> : null}
           <QualityPanel session={session} />
         </>
       ) : null}
-      {help ? <HelpDialog onClose={() => set_help(false)} /> : null}
+      {open === "help" ? <HelpDialog onClose={() => set_open(null)} /> : null}
+      {open === "share" && session ? <ShareDialog session={session} role={role} owner={own} onClose={() => set_open(null)} /> : null}
+      {open === "recording" ? <RecordingDialog onClose={() => set_open(null)} /> : null}
+      {own && session ? <RecordedInteraction session={session} /> : null}
     </div>
   );
 }

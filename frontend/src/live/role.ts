@@ -1,0 +1,29 @@
+import type { Audience, Participant } from "../protocol/messages";
+
+/** What this page may do in a live session. Alone, or before anything is known, one presents. */
+export interface Role {
+  readonly you: string;
+  readonly people: readonly Participant[];
+  readonly others: number;
+  readonly presents: boolean;
+  /** Somebody else presents. */
+  readonly follows: boolean;
+  readonly own_camera: boolean;
+  /** Nothing while the presenter is away. */
+  readonly presenter: Participant | null;
+}
+
+export function role_of(audience: Audience | null): Role {
+  const people = audience?.participants ?? [];
+  const you = audience?.you ?? "";
+  const presents = audience === null || audience.presenter === you;
+  return {
+    you,
+    people,
+    others: people.filter(({ id }) => id !== you).length,
+    presents,
+    follows: !presents,
+    own_camera: people.find(({ id }) => id === you)?.ownCamera ?? false,
+    presenter: people.find(({ presenter }) => presenter) ?? null,
+  };
+}
