@@ -67,6 +67,7 @@ def _parser() -> argparse.ArgumentParser:
                       rest=True))
     command("scan", _tool("diaphane-scan"), "FOLDER [--json]: the series in a folder, and which are suitable", rest=True)
     command("render", _tool("diaphane-render"), "INPUT ...: render a picture without a server (--help)", rest=True)
+    command("replay", _replay, "FILE (--link LINK | --scan SCAN --out FOLDER): recorded interaction, played again", rest=True)
     bench = command("bench", _bench, "measure; without a name: which measurements there are")
     bench.add_argument("name", nargs="?")
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the results there")
@@ -141,6 +142,12 @@ def _tool(name: str):
         return tools.run(name, rest)
 
     return run
+
+
+def _replay(_: argparse.Namespace, rest: list[str]) -> int:
+    from . import replay
+
+    return replay.run(rest)
 
 
 def _bench(options: argparse.Namespace, rest: list[str]) -> int:

@@ -1,0 +1,136 @@
+"""Two browsers in one live session: what one turns, the other sees."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from playwright.sync_api import Page, expect
+
+from harness import TestStack
+from person import Person
+from picture import difference, drag, facts, pixels, spread, wait_for_samples
+
+
+def same_picture(stack: TestStack, a: Page, b: Page) -> None:
+    """Both show one picture: of one epoch, and alike where the noise is averaged away."""
+
+    def alike() -> bool:
+        one, other = facts(a), facts(b)
+        a.wait_for_timeout(50)
+        return one.samples >= 8 and one.epoch == other.epoch and difference(pixels(a), pixels(b)) < 3
+
+    stack.wait_until(alike, timeout=60, what="one picture in both browsers")
+
+
+def axe_clean(page: Page) -> None:
+    # Names and roles, as a screen reader has them: every control says what it is.
+    unnamed = page.evaluate("""() => [...document.querySelectorAll("button, a, input, select")]
+        .filter((e) => e.offsetParent !== null && !(e.ariaLabel || e.innerText.trim() || e.labels?.length)).length""")
+    assert unnamed == 0
+
+
+def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, visit, cranium: Path, pictures: Path):
+    anna = Person.arrives(stack, visit(), "anna")
+    anna.has_scan(cranium, "Head")
+    anna.open_scan("Head")
+    owner = anna.page
+    wait_for_samples(stack, owner, 1)
+    owner.get_by_role("button", name="Share the picture").click()
+    owner.get_by_role("button", name="Make a link").click()
+    link = owner.get_by_label("The link to give away").input_value()
+    axe_clean(owner)
+
+    # Another browser: other cookies, no account, another size.
+    follower = visit(phone=True)
+    follower.goto(link)
+    follower.get_by_label("Your name, for who else is there").fill("Bob")
+    follower.screenshot(path=pictures / "live-join.png")
+    follower.get_by_role("button", name="Join", exact=True).click()
+    expect(follower.locator("canvas[data-samples]")).to_be_visible(timeout=30_000)
+    expect(follower.get_by_text("Owner presents")).to_be_visible()
+    expect(owner.locator("[data-participant]")).to_have_count(2)
+    expect(owner.get_by_text("Bob")).to_be_visible()
+    owner.screenshot(path=pictures / "live-share.png")
+    owner.get_by_role("dialog").get_by_role("button", name="Close").click()
+    same_picture(stack, owner, follower)
+    assert spread(pixels(follower)) > 3
+
+    # The presenter's turn reaches the follower; the follower's turns nothing.
+    before = pixels(follower)
+    epoch = facts(owner).epoch
+    drag(owner, 200, 0)
+    stack.wait_until(lambda: facts(owner).epoch > epoch or owner.wait_for_timeout(50), what="the turn")
+    same_picture(stack, owner, follower)
+    assert difference(before, pixels(follower)) > 3
+    settled = facts(owner).epoch
+    drag(follower, 100, 0)
+    follower.wait_for_timeout(700)
+    assert facts(owner).epoch == settled
+    follower.screenshot(path=pictures / "live-follower.png")
+    axe_clean(follower)
+
+    # The role goes over; what was the presenter follows, and no picture of before comes back.
+    owner.get_by_role("button", name="Share the picture").click()
+    owner.get_by_role("button", name="Let Bob present").click()
+    owner.get_by_role("dialog").get_by_role("button", name="Close").click()
+    expect(owner.get_by_text("Bob presents")).to_be_visible()
+    expect(follower.get_by_text("Owner presents")).to_have_count(0)
+    same_picture(stack, owner, follower)  # of the new presenter's size now
+    before = pixels(owner)
+    epochs = [facts(owner).epoch]
+    drag(follower, 0, 120)
+    for _ in range(40):
+        owner.wait_for_timeout(50)
+        epochs.append(facts(owner).epoch)
+    same_picture(stack, owner, follower)
+    assert epochs == sorted(epochs), "an older picture came after a newer one"
+    assert difference(before, pixels(owner)) > 3
+
+    # A reload is the same guest, still presenting; the ended link sends him away.
+    follower.reload()
+    wait_for_samples(stack, follower, 1)
+    expect(owner.get_by_text("Bob presents")).to_be_visible()
+    owner.get_by_role("button", name="Share the picture").click()
+    owner.get_by_role("button", name="End the link").click()
+    expect(follower.get_by_role("status").filter(has_text="This link was ended")).to_be_visible()
+    expect(owner.locator("[data-participant]")).to_have_count(1)
+    owner.get_by_role("button", name="Present again").click(timeout=15_000)
+    owner.get_by_role("dialog").get_by_role("button", name="Close").click()
+    epoch = facts(owner).epoch
+    drag(owner, -80, 0)
+    stack.wait_until(lambda: facts(owner).epoch > epoch or owner.wait_for_timeout(50), what="the owner's turn")
+
+
+def test_interaction_is_recorded_only_with_consent_and_can_be_taken_back(stack: TestStack, visit, cranium: Path, pictures: Path):
+    eve = Person.arrives(stack, visit(), "eve")
+    eve.has_scan(cranium, "Private Title")
+    eve.open_scan("Private Title")
+    page = eve.page
+    wait_for_samples(stack, page, 1)
+    drag(page, 120, 0)
+    page.get_by_role("button", name="Recording").click()
+    switch = page.get_by_role("switch", name="Record how I look at pictures")
+    expect(switch).to_be_enabled()
+    expect(switch).not_to_be_checked()
+    switch.check()
+    page.screenshot(path=pictures / "recording.png")
+    page.get_by_role("dialog").get_by_role("button", name="Close").click()
+    drag(page, 150, 40)
+    page.wait_for_timeout(300)
+    page.get_by_role("link", name="My scans").click()  # leaving keeps what was recorded
+    stored = stack.wait_until(lambda: stack.psql("SELECT body FROM recordings") or page.wait_for_timeout(50), what="the recording")
+    body = stored[0][0]
+    assert '"camera"' in body
+    for secret in ("Private", "eve", eve.email, "bone"):
+        assert secret not in body
+    eve.open_scan("Private Title")
+    page.get_by_role("button", name="Recording").click()
+    with page.expect_download() as export:
+        page.get_by_role("link", name="Export").click()
+    assert Path(export.value.path()).read_text() == body
+    page.get_by_role("button", name="Delete").click()
+    expect(page.get_by_role("button", name="Delete")).to_have_count(0)
+    assert stack.psql("SELECT count(*) FROM recordings") == [(0,)]
+    page.get_by_role("switch", name="Record how I look at pictures").uncheck()
+    stack.wait_until(lambda: stack.psql("SELECT count(*) FROM users WHERE recording_consent_at IS NOT NULL") == [(0,)]
+                     or page.wait_for_timeout(50), what="the consent taken back")

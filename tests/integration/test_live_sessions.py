@@ -1,0 +1,269 @@
+"""Several people in one session, over the real parts: links, roles, a worker that dies, a Redis that forgets."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+from api_client import client, person, problem
+from harness import REPO
+from house import ports
+from stream_help import ClientMessage, Viewer, new_ticket, open_session, store_ball
+
+PROGRAMS = ("postgres", "redis", "api", "renderd", "edge")
+
+
+@pytest.fixture(scope="module")
+def running(stack_house):
+    stack = stack_house.open(only=PROGRAMS)
+    yield stack
+    stack_house.shut(stack)
+
+
+@pytest.fixture(scope="module")
+def one(running):
+    return person(running)
+
+
+@pytest.fixture(scope="module")
+def ball(running, one) -> str:
+    return store_ball(running, one)
+
+
+@pytest.fixture
+def session(running, one, ball):
+    made = open_session(one, ball)
+    yield made
+    one.http.delete(f"/v1/sessions/{made[0]}")
+
+
+class Guest:
+    """Somebody with a link and without an account."""
+
+    def __init__(self, stack, token: str, name: str = ""):
+        self.stack, self.token, self.name, self.key = stack, token, name, secrets.token_hex(32)
+        self.http = client(stack)
+
+    def ask(self):
+        return self.http.post("/v1/join", json={"token": self.token, "key": self.key, "name": self.name})
+
+    def join(self) -> Viewer:
+        answer = self.ask()
+        assert answer.status_code == 201, answer.text
+        self.id = answer.json()["participant"]
+        return Viewer(self.stack.url, answer.json()["stream_url"])
+
+
+def link_of(somebody, session: str) -> str:
+    answer = somebody.http.post(f"/v1/sessions/{session}/links")
+    assert answer.status_code == 201, answer.text
+    return answer.json()["token"]
+
+
+def hand_over(viewer: Viewer, to: str) -> None:
+    message = ClientMessage()
+    message.handover.to = to
+    viewer.send(message)
+
+
+def test_a_guest_sees_what_the_presenter_turns_and_may_turn_nothing(running, one, session):
+    owner = Viewer(running.url, session[1])
+    guest = Guest(running, link_of(one, session[0]), " Ann\u202e ")
+    follower = guest.join()
+    assert follower.config.follower and not owner.config.follower
+    assert follower.config.scene == owner.config.scene
+    there = follower.until("audience")
+    assert [(p.name, p.owner, p.presenter) for p in there.participants] == [("", True, True), ("Ann", False, False)]
+    assert there.you == guest.id
+    seq = owner.turn(40)
+    shown = owner.frame(condition=lambda frame: frame.input_seq >= seq)
+    same = follower.frame(condition=lambda frame: frame.epoch == shown.epoch)
+    assert (same.width, same.height) == (shown.width, shown.height)
+    follower.turn(5)
+    refusal = follower.until("problem")
+    assert refusal.code == "forbidden" and not refusal.fatal
+    owner.leave()
+    follower.leave()
+
+
+def test_the_role_goes_over_and_comes_back_to_the_owner_alone(running, one, session):
+    owner = Viewer(running.url, session[1])
+    guest = Guest(running, link_of(one, session[0]))
+    follower = guest.join()
+    owner.until("audience", condition=lambda who: len(who.participants) == 2)
+    hand_over(owner, guest.id)
+    follower.until("audience", condition=lambda who: who.presenter == guest.id)
+    seq = follower.turn(25)
+    follower.frame(condition=lambda frame: frame.input_seq >= seq)
+    owner.frame(condition=lambda frame: frame.input_seq >= seq)
+    hand_over(owner, "owner")
+    assert owner.until("problem").code == "forbidden", "the presenter is here"
+    follower.leave()
+    owner.until("audience", condition=lambda who: len(who.participants) == 1)
+    time.sleep(5.2)  # longer than a reload takes: then he has gone
+    hand_over(owner, "owner")
+    owner.until("audience", condition=lambda who: who.presenter == "owner")
+    seq = owner.turn(1)
+    owner.frame(condition=lambda frame: frame.input_seq >= seq)
+    owner.leave()
+
+
+def test_a_link_that_is_ended_sends_its_guests_away_and_nobody_else(running, one, session):
+    owner = Viewer(running.url, session[1])
+    guest = Guest(running, link_of(one, session[0]))
+    follower = guest.join()
+    follower.frame()
+    assert one.http.delete(f"/v1/sessions/{session[0]}/links").status_code == 204
+    assert follower.close_code() == 4410
+    problem(guest.ask(), 404, "not-found")
+    owner.until("audience", condition=lambda who: len(who.participants) == 1)
+    seq = owner.turn(3)
+    owner.frame(condition=lambda frame: frame.input_seq >= seq)
+    # And another link is another one.
+    again = Guest(running, link_of(one, session[0])).join()
+    again.frame()
+    again.leave()
+    owner.leave()
+
+
+def test_a_link_is_its_owners_and_opens_nothing_else(running, one, session):
+    other = person(running)
+    problem(other.http.post(f"/v1/sessions/{session[0]}/links"), 404, "not-found")
+    problem(other.http.delete(f"/v1/sessions/{session[0]}/links"), 404, "not-found")
+    token = link_of(one, session[0])
+    problem(Guest(running, "0" * 64).ask(), 404, "not-found")
+    assert token not in "".join(running.redis.keys("*")), "only its hash is kept"
+    for path in (f"/v1/sessions/{session[0]}", "/v1/data-sets", "/v1/me"):
+        problem(Guest(running, token).http.get(path), 401, "unauthenticated")
+    for _ in range(7):
+        link_of(one, session[0])
+    problem(one.http.post(f"/v1/sessions/{session[0]}/links"), 429, "too-many")
+
+
+def test_a_camera_of_ones_own_follows_the_settings_alone(running, one, session):
+    owner = Viewer(running.url, session[1])
+    owner.frame()
+    follower = Guest(running, link_of(one, session[0])).join()
+    message = ClientMessage()
+    message.own_camera.on = True
+    follower.send(message)
+    follower.config = follower.until("config", condition=lambda config: not config.follower)
+    follower.input_seq = follower.config.input_seq
+    seq = follower.turn(60)
+    mine = follower.frame(condition=lambda frame: frame.input_seq >= seq)
+    theirs = owner.frame()
+    assert mine.data != theirs.data
+    message.own_camera.on = False
+    follower.send(message)
+    back = follower.until("config", condition=lambda config: config.follower)
+    assert back.scene == owner.config.scene
+    assert follower.frame().seq == 1
+    owner.leave()
+    follower.leave()
+
+
+class SecondWorker:
+    """Another renderd beside the stack's, by hand: nobody starts it again."""
+
+    def __init__(self, stack, worker_id: str):
+        build = Path(os.environ.get("DIAPHANE_BUILD", REPO / "build" / "release"))
+        grpc, admin = list(ports.random_free().values())[:2]
+        self.id = worker_id
+        self.process = subprocess.Popen([
+            build / "bin" / "diaphane-renderd", "--worker-id", worker_id, "--redis", f"127.0.0.1:{stack.ports['redis']}",
+            "--grpc-port", str(grpc), "--advertise", f"127.0.0.1:{grpc}", "--admin-port", str(admin),
+            "--volume-dir", stack.data_dir / "volumes", "--engine", "cpu", "--threads", "1", "--slots", "8"],
+            stderr=subprocess.DEVNULL)
+        stack.wait_until(lambda: stack.redis.exists(f"diaphane:worker:{worker_id}"), what="the second worker")
+
+    def kill(self) -> None:
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait()
+
+
+def come_back(viewer_of, seconds: float) -> Viewer:
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        try:
+            if viewer := viewer_of():
+                return viewer
+        except Exception:  # noqa: BLE001 - not yet
+            pass
+        time.sleep(0.05)
+    raise AssertionError(f"the picture was not back within {seconds} s")
+
+
+def test_a_dead_worker_s_session_goes_on_at_another_with_its_scene_and_its_guests(stack_factory):
+    stack = stack_factory(only=PROGRAMS)
+    somebody = person(stack)
+    ball = store_ball(stack, somebody)
+    second = SecondWorker(stack, "second")
+    try:
+        # Placed where it will die: a worker that has the volume is preferred.
+        stack.redis.hset(f"diaphane:worker:{second.id}", "volumes", ball)
+        session, url = open_session(somebody, ball)
+        assert stack.redis.hget(f"diaphane:session:{session}", "worker") == second.id
+        owner = Viewer(stack.url, url)
+        guest = Guest(stack, link_of(somebody, session))
+        follower = guest.join()
+        seq = owner.turn(77)
+        follower.frame(condition=lambda frame: frame.input_seq >= seq)
+        stack.wait_until(lambda: stack.redis.hget(f"diaphane:session:{session}", "input_seq") == str(seq), what="the kept scene")
+        before = owner.frame(condition=lambda frame: frame.input_seq >= seq)
+        begun = time.monotonic()
+        second.kill()
+        assert owner.close_code() == 4503
+        assert follower.close_code() == 4503
+
+        def again() -> Viewer | None:
+            url = new_ticket(somebody, session)
+            return Viewer(stack.url, url) if url else None
+
+        # In either order: who comes first has it placed.
+        followed = come_back(guest.join, 5)
+        picture = followed.frame(timeout=5)
+        presented = come_back(again, 5)
+        presented.frame(timeout=5)
+        took = time.monotonic() - begun
+        assert took < 5
+        assert stack.redis.hget(f"diaphane:session:{session}", "worker") != second.id
+        assert presented.config.scene == owner.config.scene and followed.config.scene == owner.config.scene
+        assert followed.config.follower and not presented.config.follower
+        assert picture.epoch > before.epoch, "no frame of the old worker can pass for a new one"
+        print(f"a killed worker's picture was at another, for owner and guest, after {took:.2f} s")
+        presented.leave()
+        followed.leave()
+    finally:
+        second.kill()
+
+
+def test_a_redis_that_was_started_empty_is_filled_from_heartbeats(stack_factory):
+    stack = stack_factory(only=PROGRAMS)
+    somebody = person(stack)
+    ball = store_ball(stack, somebody)
+    session, url = open_session(somebody, ball)
+    owner = Viewer(stack.url, url)
+    guest = Guest(stack, link_of(somebody, session))
+    follower = guest.join()
+    seq = owner.turn(12)
+    follower.frame(condition=lambda frame: frame.input_seq >= seq)
+    stack.redis.flushall()
+    begun = time.monotonic()
+    key = f"diaphane:session:{session}"
+    stack.wait_until(lambda: stack.redis.hexists(key, "scene"), timeout=5, what="the session's place")
+    print(f"an empty Redis had the session again after {time.monotonic() - begun:.2f} s")
+    assert stack.redis.hget(key, "input_seq") == str(seq)
+    # Nobody was sent away, and everybody can come back the way he came.
+    seq = owner.turn(3)
+    follower.frame(condition=lambda frame: frame.input_seq >= seq)
+    owner.leave()
+    back = Viewer(stack.url, new_ticket(somebody, session))
+    assert back.config.scene == owner.config.scene
+    follower.leave()
+    guest.join().frame()
+    assert [s["session_id"] for s in somebody.http.get("/v1/sessions").json()["items"]] == [session]
