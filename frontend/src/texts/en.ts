@@ -240,6 +240,7 @@ export const t = {
     hand_over: "Let present",
     let_present: (name: string) => `Let ${name} present`,
     take_back: "Present again",
+    taking_back: "In a moment…",
     presents: (name: string) => `${name} presents`,
     presenter_away: "The presenter is away",
     own_camera: "My own camera",

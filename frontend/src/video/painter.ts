@@ -5,11 +5,17 @@ import type { Picture } from "./picture";
 /** Draws frames into a canvas of device pixels. A frame may be smaller (moving) or of an older shape (resizing). */
 export class Painter {
   private readonly context_: CanvasRenderingContext2D;
+  private whole_ = false;
 
   constructor(private readonly canvas_: HTMLCanvasElement) {
     const context = canvas_.getContext("2d", { alpha: false });
     if (!context) throw new Error("this browser gives no canvas");
     this.context_ = context;
+  }
+
+  /** For a follower, whose canvas has another shape: all that the presenter sees, with borders. */
+  show_whole(whole: boolean): void {
+    this.whole_ = whole;
   }
 
   /** Keeps what is shown until the first frame of the new size. */
@@ -43,6 +49,14 @@ export class Painter {
     if (width === 0 || height === 0) return;
     const canvas = this.canvas_;
     const fitting = (width * canvas.height) / height;
+    if (this.whole_ && fitting > 1.02 * canvas.width) {
+      const shown_height = (height * canvas.width) / width;
+      this.context_.imageSmoothingEnabled = true;
+      this.context_.imageSmoothingQuality = "high";
+      this.context_.clearRect(0, 0, canvas.width, canvas.height);
+      this.context_.drawImage(source, 0, (canvas.height - shown_height) / 2, canvas.width, shown_height);
+      return;
+    }
     // A smaller frame has its sides rounded to whole pixels: that is no other shape.
     const shown_width = Math.abs(fitting - canvas.width) < 0.02 * canvas.width ? canvas.width : fitting;
     this.context_.imageSmoothingEnabled = shown_width !== width || canvas.height !== height;

@@ -119,7 +119,10 @@ export class ViewerSession {
           this.converged_epoch_ = state.converged ? Number(state.epoch) : -1;
           this.converged.value = this.converged_epoch_ === this.picture.value?.epoch;
         },
-        audience: (audience) => (this.audience.value = audience),
+        audience: (audience) => {
+          this.audience.value = audience;
+          this.painter_.show_whole(!this.client_.leads);
+        },
         look: (scene) => (this.scene.value = scene),
         stats: (stats) => (this.samples_per_second.value = stats.samplesPerSecond),
         problem: (problem) => (this.problem.value = problem.message),

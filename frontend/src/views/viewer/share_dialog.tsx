@@ -1,4 +1,4 @@
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import type { Role } from "../../live/role";
 import type { Participant } from "../../protocol/messages";
 import { t } from "../../texts/en";
@@ -38,14 +38,32 @@ export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps)
           </li>
         ))}
       </ul>
-      {owner && role.follows && role.presenter === null ? (
-        <p><button type="button" class="button" onClick={() => session.hand_over(role.you)}>{t.live.take_back}</button></p>
-      ) : null}
-      {session.problem.value ? <p class="field-fault" role="alert">{session.problem.value}</p> : null}
+      {owner && role.follows && role.presenter === null ? <TakeBack session={session} you={role.you} /> : null}
+      {session.problem.value && role.presenter !== null ? <p class="field-fault" role="alert">{session.problem.value}</p> : null}
       <div class="dialog-buttons">
         <button type="button" class="button button-main" onClick={onClose}>{t.close}</button>
       </div>
     </Dialog>
+  );
+}
+
+const asked_again_every_ms = 1000;
+
+/** The server gives the role back once the presenter has been away for longer than a reload takes. */
+function TakeBack({ session, you }: { readonly session: ViewerSession; readonly you: string }) {
+  const [taking, set_taking] = useState(false);
+  useEffect(() => {
+    if (!taking) return;
+    session.hand_over(you);
+    const timer = setInterval(() => session.hand_over(you), asked_again_every_ms);
+    return () => clearInterval(timer);
+  }, [taking, session, you]);
+  return (
+    <p>
+      <button type="button" class="button" disabled={taking} onClick={() => set_taking(true)}>
+        {taking ? t.live.taking_back : t.live.take_back}
+      </button>
+    </p>
   );
 }
 
