@@ -79,7 +79,7 @@ def valid(part: dict):
 @pytest.mark.parametrize("operation", WITH_BODY, **names)
 def test_a_body_that_the_schema_refuses_is_refused_by_field(api, one, operation):  # noqa: F811
     path, method, spec = operation
-    body = CONTRACT.resolve(spec["requestBody"])["content"]["application/json"]["schema"]
+    body = CONTRACT.resolve(CONTRACT.resolve(spec["requestBody"])["content"]["application/json"]["schema"])
     for wrong, field in wrong_bodies(body, random.Random(1)):
         document = problem(one.http.request(method, address(path), json=wrong), 422, "invalid")
         assert field in [e["field"] for e in document["errors"]], (wrong, document)
