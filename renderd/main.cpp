@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <thread>
 
 #include "common/clock.h"
@@ -15,6 +17,8 @@
 #include "common/log.h"
 #include "common/service/admin_server.h"
 #include "common/service/signals.h"
+#include "renderd/composite/composite_engine.h"
+#include "renderd/serve/grpc_assistants.h"
 #include "renderd/serve/grpc_server.h"
 #include "renderd/serve/registry.h"
 #include "renderd/serve/render_worker.h"
@@ -43,7 +47,58 @@ struct Settings {
   PolicyKind policy = PolicyKind::kMarginalGain;
   EngineOptions options;
   bool mark_frames = false;
+  std::vector<int> devices;
+  std::vector<std::string> assist;
 };
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> words;
+  std::istringstream in(text);
+  for (std::string word; std::getline(in, word, ',');) words.push_back(word);
+  return words;
+}
+
+void read_devices(ConfigReader& in, Settings& settings) {
+  const std::string devices = in.text(
+      "devices",
+      "GPUs that make each picture together, by CUDA's numbers, with commas; with the CPU engine "
+      "as many engines that share the threads",
+      "0");
+  for (const std::string& word : split(devices)) {
+    int number = 0;
+    const auto [end, wrong] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (wrong != std::errc() || end != word.data() + word.size() || number < 0 ||
+        std::count(settings.devices.begin(), settings.devices.end(), number) > 0) {
+      in.mistake("--devices must be different numbers from 0 on, with commas");
+      return;
+    }
+    settings.devices.push_back(number);
+  }
+  if (settings.devices.empty()) in.mistake("--devices names none");
+  settings.assist = split(
+      in.text("assist", "other renderd that help with each picture: host:port, with commas", ""));
+  for (const std::string& address : settings.assist) {
+    if (!parse_redis_address(address)) in.mistake("--assist: '" + address + "' is no host:port");
+  }
+}
+
+/// One device as it is; several, or with assistants, as one.
+Result<std::unique_ptr<Engine>> engine_of(const Settings& settings, AssistSource* source) {
+  const auto count = static_cast<unsigned>(settings.devices.size());
+  const unsigned cores =
+      settings.threads > 0 ? settings.threads : std::thread::hardware_concurrency();
+  std::vector<std::unique_ptr<Engine>> engines;
+  for (const int device : settings.devices) {
+    EngineOptions options = settings.options;
+    options.device = device;
+    auto engine = make_engine(settings.engine,
+                              count > 1 ? std::max(1U, cores / count) : settings.threads, options);
+    if (!engine) return engine;
+    engines.push_back(std::move(*engine));
+  }
+  if (count == 1 && source == nullptr) return std::move(engines.front());
+  return make_composite_engine(std::move(engines), source);
+}
 
 Settings read_settings(ConfigReader& in) {
   Settings settings;
@@ -96,6 +151,7 @@ Settings read_settings(ConfigReader& in) {
   settings.mark_frames =
       in.one_of("mark-frames", "1: for a bench, each picture shows the number of its input",
                 {"0", "1"}, "0") == "1";
+  read_devices(in, settings);
   return settings;
 }
 
@@ -125,7 +181,9 @@ int run(int argc, char** argv) {
   log::start("renderd");
   service::StopSignal stop;
 
-  auto engine = make_engine(settings.engine, settings.threads, settings.options);
+  std::unique_ptr<GrpcAssistants> assistants;
+  if (!settings.assist.empty()) assistants = std::make_unique<GrpcAssistants>(settings.assist);
+  auto engine = engine_of(settings, assistants.get());
   if (!engine) {
     std::fprintf(stderr, "--engine: %s\n", engine.error().message.c_str());
     return kExitConfig;
@@ -184,7 +242,8 @@ int run(int argc, char** argv) {
   // A gateway has one connection for all its sessions here, and asks for thumbnails on it.
   server_options.most_streams =
       std::max(server_options.most_streams, static_cast<int>(settings.slots) + 64);
-  auto server = GrpcServer::start(server_options, worker.host(), worker.stills(), metrics);
+  auto server =
+      GrpcServer::start(server_options, worker.host(), worker.stills(), metrics, &worker.assists());
   if (!server) {
     std::fprintf(stderr, "--grpc-port: %s\n", server.error().message.c_str());
     return kExitUnavailable;

@@ -29,7 +29,7 @@ class PassesAssistant final : public Assistant {
     if (lost_) return std::nullopt;
     return part;
   }
-  bool lost() const override { return lost_; }
+  bool lost() override { return lost_; }
 
  private:
   std::unique_ptr<FrameRenderer> renderer_;

@@ -42,8 +42,8 @@ class Assistant {
   /// The part that waits, if one does. There is at most one: taking it makes room for the next, and
   /// an assistant whose part is not taken comes to rest.
   virtual std::optional<AssistPart> take(const AssistNews& news) = 0;
-  /// For good, or for now: nothing will come of the task.
-  virtual bool lost() const = 0;
+  /// For good, or for now: nothing will come of the task. One that can comes back when asked.
+  virtual bool lost() = 0;
   /// That its parts come over.
   virtual double bytes_per_second() const { return 1e10; }
 };

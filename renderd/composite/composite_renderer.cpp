@@ -149,13 +149,16 @@ Result<void> CompositeRenderer::merge(Helper& helper, const AssistPart& part) {
   for (std::uint32_t row = film.first_row; row < last; row += kShareRows) {
     drawn_[row / kShareRows] += film.samples;
   }
-  if (part.seconds <= 0) return {};
-  const double rate = pixels * static_cast<double>(film.samples) / part.seconds;
-  if (film.first_row == 0 && last == task_.canvas.height) {
-    helper.speed = mean(helper.speed, rate);
+  // Of a part that came in bands of rows, each has its share of the seconds.
+  if (part.seconds <= 0 || !helper.share || helper.share->sequence != part.sequence) return {};
+  const Share& share = *helper.share;
+  if (whole(share, task_.canvas)) {
+    helper.speed = mean(helper.speed, pixels * static_cast<double>(film.samples) / part.seconds);
   } else if (helper.speed > 0) {
-    costs_.learn(film.first_row, last, task_.canvas.height,
-                 part.seconds / static_cast<double>(film.samples),
+    const std::uint32_t end = std::min(share.last_row, task_.canvas.height);
+    const double rows = end - share.first_row;
+    costs_.learn(share.first_row, end, task_.canvas.height,
+                 part.seconds / static_cast<double>(film.samples) * rows / film.rows,
                  pixels_of(task_.canvas) / helper.speed);
   }
   return {};

@@ -55,7 +55,7 @@ class ScriptedAssistant final : public Assistant {
     part.seconds = 1e-3;
     return part;
   }
-  bool lost() const override { return script_->lost; }
+  bool lost() override { return script_->lost; }
 
  private:
   std::shared_ptr<Script> script_;

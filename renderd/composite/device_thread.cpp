@@ -147,7 +147,7 @@ class DeviceThread::JobAssistant final : public Assistant {
     if (part) thread_.wake();
     return part;
   }
-  bool lost() const override { return job_->lost(); }
+  bool lost() override { return job_->lost(); }
 
  private:
   DeviceThread& thread_;

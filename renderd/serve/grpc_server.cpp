@@ -11,6 +11,7 @@
 
 #include "api/proto/worker.grpc.pb.h"
 #include "common/log.h"
+#include "renderd/serve/assist_reactor.h"
 
 namespace diaphane::render {
 namespace {
@@ -239,8 +240,8 @@ class StillReactor final : public grpc::ServerUnaryReactor {
 
 class Service final : public v1::RenderWorker::CallbackService {
  public:
-  Service(SessionHost& host, StillService& stills, Metrics& metrics)
-      : host_(host), stills_(stills), metrics_(metrics) {}
+  Service(SessionHost& host, StillService& stills, Metrics& metrics, AssistHost* assists)
+      : host_(host), stills_(stills), metrics_(metrics), assists_(assists) {}
 
   grpc::ServerBidiReactor<v1::AttachRequest, v1::AttachReply>* Attach(
       grpc::CallbackServerContext* context) override {
@@ -253,28 +254,35 @@ class Service final : public v1::RenderWorker::CallbackService {
     return new StillReactor(stills_, *request, reply, metrics_);
   }
 
+  grpc::ServerBidiReactor<v1::AssistRequest, v1::AssistReply>* Assist(
+      grpc::CallbackServerContext*) override {
+    return new AssistReactor(assists_);
+  }
+
   Links& links() { return links_; }
 
  private:
   SessionHost& host_;
   StillService& stills_;
   Metrics& metrics_;
+  AssistHost* assists_;
   Links links_;
 };
 
 }  // namespace
 
 struct GrpcServer::Impl {
-  Impl(SessionHost& host, StillService& stills, Metrics& metrics)
-      : service(host, stills, metrics) {}
+  Impl(SessionHost& host, StillService& stills, Metrics& metrics, AssistHost* assists)
+      : service(host, stills, metrics, assists) {}
   Service service;
   std::unique_ptr<grpc::Server> server;
   int port = 0;
 };
 
 Result<std::unique_ptr<GrpcServer>> GrpcServer::start(Options options, SessionHost& host,
-                                                      StillService& stills, Metrics& metrics) {
-  auto impl = std::make_unique<Impl>(host, stills, metrics);
+                                                      StillService& stills, Metrics& metrics,
+                                                      AssistHost* assists) {
+  auto impl = std::make_unique<Impl>(host, stills, metrics, assists);
   gpr_set_log_function(log_line);
   grpc::EnableDefaultHealthCheckService(true);
   grpc::ServerBuilder builder;
@@ -285,6 +293,8 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::start(Options options, SessionHo
   // A gateway that vanished without a word is noticed within 15 s.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
+  // Workers that are assisted ask each 10 s, however little there is to say.
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5'000);
   builder.AddListeningPort(options.address + ":" + std::to_string(options.port),
                            grpc::InsecureServerCredentials(), &impl->port);
   builder.RegisterService(&impl->service);

@@ -5,14 +5,15 @@
 #include <string>
 
 #include "common/result.h"
+#include "renderd/serve/assist_session.h"
 #include "renderd/serve/metrics.h"
 #include "renderd/serve/session_host.h"
 #include "renderd/serve/still_service.h"
 
 namespace diaphane::render {
 
-/// api/proto/worker.proto over gRPC, with gRPC's own health service. The only file pair that names
-/// gRPC.
+/// api/proto/worker.proto over gRPC, with gRPC's own health service. Only this, assist_reactor.h
+/// and grpc_assistants.cpp name gRPC.
 class GrpcServer {
  public:
   struct Options {
@@ -22,9 +23,10 @@ class GrpcServer {
     int most_message_bytes = 1 << 20;
   };
 
-  /// kUnavailable when the port is taken.
+  /// kUnavailable when the port is taken. Without `assists` nobody is assisted.
   static Result<std::unique_ptr<GrpcServer>> start(Options options, SessionHost& host,
-                                                   StillService& stills, Metrics& metrics);
+                                                   StillService& stills, Metrics& metrics,
+                                                   AssistHost* assists = nullptr);
   ~GrpcServer();
 
   std::uint16_t port() const;

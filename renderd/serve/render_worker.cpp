@@ -42,10 +42,13 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
       host_(std::make_unique<SessionHost>(options.host, *engine_, *runner_, *encoders_, *volumes_,
                                           metrics, clock)),
       stills_(std::make_unique<StillService>(*engine_, *runner_, *encoders_, *volumes_, metrics,
-                                             clock)) {}
+                                             clock)),
+      assists_(std::make_unique<AssistHost>(AssistHost::Options{options.host.slots}, *engine_,
+                                            *runner_, *volumes_)) {}
 
 void RenderWorker::stop() {
   host_->end_all();
+  assists_->end_all();
   runner_->stop();
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/clock.h"
+#include "renderd/serve/assist_session.h"
 #include "renderd/serve/metrics.h"
 #include "renderd/serve/session_host.h"
 #include "renderd/serve/still_service.h"
@@ -32,6 +33,7 @@ class RenderWorker {
   Engine& engine() { return *engine_; }
   SessionHost& host() { return *host_; }
   StillService& stills() { return *stills_; }
+  AssistHost& assists() { return *assists_; }
   VolumeCache& volumes() { return *volumes_; }
   Runner& runner() { return *runner_; }
 
@@ -43,6 +45,7 @@ class RenderWorker {
   std::unique_ptr<VolumeCache> volumes_;
   std::unique_ptr<SessionHost> host_;
   std::unique_ptr<StillService> stills_;
+  std::unique_ptr<AssistHost> assists_;
 };
 
 }  // namespace diaphane::render

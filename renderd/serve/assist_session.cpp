@@ -1,0 +1,200 @@
+#include "renderd/serve/assist_session.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/ids.h"
+#include "renderd/composite/composite_engine.h"
+#include "renderd/composite/wire.h"
+#include "renderd/scene/presets.h"
+
+namespace diaphane::render {
+namespace {
+
+/// Of a band, before it is coded: a connection's other calls wait no longer than it takes.
+constexpr std::size_t kBandBytes = 1 << 20;
+constexpr std::uint32_t kMostParts = 4096;
+constexpr std::uint64_t kMostSequences = 1 << 20;
+
+Result<AssistTask> task_of(const v1::AssistTask& message) {
+  if (message.width() == 0 || message.height() == 0 || message.width() > kLongestCanvas ||
+      message.height() > kLongestCanvas) {
+    return fail(ErrorCode::kInvalid, "A picture of this size is none.", "width");
+  }
+  const std::uint32_t last = std::min(message.last_row(), message.height());
+  if (!is_band(message.first_row(), last, message.height())) {
+    return fail(ErrorCode::kInvalid, "These rows are no band.", "first_row");
+  }
+  if (message.parts() == 0 || message.parts() > kMostParts || message.part() >= message.parts() ||
+      message.sequence() >= kMostSequences) {
+    return fail(ErrorCode::kInvalid, "There is no such part of the samples.", "part");
+  }
+  if (const auto sound = check_scene(message.scene()); !sound) {
+    return tl::unexpected(sound.error());
+  }
+  AssistTask task;
+  task.epoch = message.epoch();
+  task.scene = std::make_shared<const v1::Scene>(message.scene());
+  task.canvas = {message.width(), message.height()};
+  task.share = {message.first_row(), last, message.part(), message.parts(), message.sequence()};
+  return task;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<AssistHost::Session>> AssistHost::open(std::shared_ptr<AssistLink> link) {
+  const std::lock_guard lock(mutex_);
+  if (refusing_) return fail(ErrorCode::kUnavailable, "This render server is stopping.");
+  if (sessions_.size() >= options_.most) {
+    return fail(ErrorCode::kTooMany, "This render server helps enough others.");
+  }
+  auto session = std::make_shared<Session>(*this, std::move(link));
+  sessions_.insert(session);
+  return session;
+}
+
+void AssistHost::forget(const std::shared_ptr<Session>& session) {
+  const std::lock_guard lock(mutex_);
+  sessions_.erase(session);
+}
+
+void AssistHost::end_all() {
+  std::set<std::shared_ptr<Session>> ending;
+  {
+    const std::lock_guard lock(mutex_);
+    refusing_ = true;
+    ending.swap(sessions_);
+  }
+  for (const auto& session : ending) {
+    session->end({ErrorCode::kUnavailable, "This render server is stopping.", {}});
+  }
+}
+
+std::size_t AssistHost::used() const {
+  const std::lock_guard lock(mutex_);
+  return sessions_.size();
+}
+
+void AssistHost::Session::receive(const v1::AssistRequest& request) {
+  Result<void> done = fail(ErrorCode::kInvalid, "Assist begins with open, once.");
+  switch (request.body_case()) {
+    case v1::AssistRequest::kOpen:
+      done = open(request.open());
+      break;
+    case v1::AssistRequest::kTask:
+      done = take(request.task());
+      break;
+    case v1::AssistRequest::kTaken:
+      desk_->taken({request.taken().samples(), request.taken().error()});
+      host_.runner_.wake();
+      done = {};
+      break;
+    case v1::AssistRequest::BODY_NOT_SET:
+      break;
+  }
+  if (!done) end(done.error());
+}
+
+Result<void> AssistHost::Session::open(const v1::AssistOpen& open) {
+  if (std::exchange(opened_, true)) {
+    return fail(ErrorCode::kInvalid, "Assist begins with open, once.");
+  }
+  if (!is_id(open.volume_id())) return fail(ErrorCode::kInvalid, "No volume id.", "volume_id");
+  host_.volumes_.get(open.volume_id(),
+                     [self = shared_from_this(), open](Result<VolumeCache::Handle> volume) {
+                       self->volume_ready(open, std::move(volume));
+                     });
+  return {};
+}
+
+void AssistHost::Session::volume_ready(const v1::AssistOpen& open,
+                                       Result<VolumeCache::Handle> volume) {
+  if (!volume) return end(volume.error());
+  auto renderer =
+      renderer_of_one_device(host_.engine_, *volume, open.seed(), open.first_sample(), kLiveMethod);
+  if (!renderer) return end(renderer.error());
+  const std::lock_guard lock(mutex_);
+  if (!link_) return;
+  handle_ = host_.runner_.add(shared_from_this(),
+                              std::make_unique<AssistRenderer>(*std::move(renderer), desk_), 0);
+  v1::AssistReply reply;
+  reply.mutable_ready();
+  link_->send(std::move(reply));
+}
+
+Result<void> AssistHost::Session::take(const v1::AssistTask& message) {
+  if (!opened_) return fail(ErrorCode::kInvalid, "Assist begins with open, once.");
+  auto task = task_of(message);
+  if (!task) return tl::unexpected(task.error());
+  desk_->put(std::move(*task));
+  version_ = desk_->newest().version;
+  host_.runner_.wake();
+  return {};
+}
+
+void AssistHost::Session::closed() {
+  std::uint64_t handle = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    link_.reset();
+    handle = std::exchange(handle_, 0);
+  }
+  if (handle != 0) host_.runner_.remove(handle);
+  host_.forget(shared_from_this());
+}
+
+void AssistHost::Session::end(const Error& why) {
+  std::shared_ptr<AssistLink> link;
+  {
+    const std::lock_guard lock(mutex_);
+    link = link_;
+  }
+  if (link) link->finish(why);
+  closed();
+}
+
+Wanted AssistHost::Session::wanted() {
+  Wanted wanted;
+  const AssistDesk::Order order = desk_->newest();
+  if (!order.task) return wanted;
+  wanted.version = order.version;
+  // Shares the task's life: the renderer finds the task by its scene.
+  wanted.scene = std::shared_ptr<const v1::Scene>(order.task, order.task->scene.get());
+  wanted.viewport = order.task->canvas;
+  wanted.input_seq = order.task->epoch;
+  wanted.rest = true;
+  wanted.raw = true;
+  wanted.visible = desk_->wants_more();
+  wanted.room = desk_->room();
+  return wanted;
+}
+
+void AssistHost::Session::send_part() {
+  auto part = desk_->collect();
+  if (!part) return;
+  const double us_per_row = part->seconds * 1e6 / part->film.rows;
+  const auto bands = in_bands(std::move(part->film), kBandBytes);
+  std::shared_ptr<AssistLink> link;
+  {
+    const std::lock_guard lock(mutex_);
+    link = link_;
+  }
+  if (!link) return;
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    const FilmPart& film = bands[i];
+    v1::AssistReply reply;
+    v1::AssistBand& band = *reply.mutable_band();
+    band.set_epoch(part->epoch);
+    band.set_sequence(part->sequence);
+    band.set_width(film.width);
+    band.set_first_row(film.first_row);
+    band.set_rows(film.rows);
+    band.set_samples(film.samples);
+    band.set_render_us(static_cast<std::uint64_t>(us_per_row * film.rows));
+    band.set_pixels(pixels_to_wire(film.pixels.data(), film.pixels.size()));
+    band.set_last(i + 1 == bands.size());
+    link->send(std::move(reply));
+  }
+}
+
+}  // namespace diaphane::render

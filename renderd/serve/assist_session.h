@@ -1,0 +1,89 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <set>
+
+#include "api/proto/worker.pb.h"
+#include "renderd/composite/assist_renderer.h"
+#include "renderd/schedule/runner.h"
+#include "renderd/session/volume_cache.h"
+
+namespace diaphane::render {
+
+/// Another worker's connection. Neither call blocks or calls back.
+class AssistLink {
+ public:
+  virtual ~AssistLink() = default;
+  virtual void send(diaphane::v1::AssistReply reply) = 0;
+  virtual void finish(const Error& why) = 0;
+};
+
+/// The pictures of other workers that this one helps with: each is one session more of its runner,
+/// whose pictures are parts of films. Thread-safe.
+class AssistHost {
+ public:
+  struct Options {
+    std::size_t most = 16;  ///< at once
+  };
+
+  AssistHost(Options options, Engine& engine, Runner& runner, VolumeCache& volumes)
+      : options_(options), engine_(engine), runner_(runner), volumes_(volumes) {}
+
+  class Session;
+  /// kTooMany, kUnavailable (draining).
+  Result<std::shared_ptr<Session>> open(std::shared_ptr<AssistLink> link);
+  /// Refuses from now on, and ends all.
+  void end_all();
+  std::size_t used() const;
+
+ private:
+  void forget(const std::shared_ptr<Session>& session);
+
+  const Options options_;
+  Engine& engine_;
+  Runner& runner_;
+  VolumeCache& volumes_;
+  mutable std::mutex mutex_;
+  std::set<std::shared_ptr<Session>> sessions_;
+  bool refusing_ = false;
+};
+
+class AssistHost::Session final : public RenderClient,
+                                  public std::enable_shared_from_this<AssistHost::Session> {
+ public:
+  Session(AssistHost& host, std::shared_ptr<AssistLink> link)
+      : host_(host), link_(std::move(link)) {}
+
+  /// kInvalid ends the connection.
+  void receive(const diaphane::v1::AssistRequest& request);
+  /// The connection is over. Idempotent.
+  void closed();
+  void end(const Error& why);
+
+  // RenderClient
+  Wanted wanted() override;
+  std::uint64_t version() const noexcept override { return version_; }
+  void began(std::uint64_t, const Wanted&) override {}
+  void refused(const Wanted&, const Error&) override {}
+  void rendered(const Batch&) override { send_part(); }
+  void picture(RenderedPicture) override { send_part(); }
+  void failed(const Error& why) override { end(why); }
+
+ private:
+  Result<void> open(const diaphane::v1::AssistOpen& open);
+  Result<void> take(const diaphane::v1::AssistTask& task);
+  void volume_ready(const diaphane::v1::AssistOpen& open, Result<VolumeCache::Handle> volume);
+  void send_part();
+
+  AssistHost& host_;
+  const std::shared_ptr<AssistDesk> desk_ = std::make_shared<AssistDesk>();
+  std::atomic<std::uint64_t> version_{0};
+  std::mutex mutex_;
+  std::shared_ptr<AssistLink> link_;  ///< null: closed
+  bool opened_ = false;
+  std::uint64_t handle_ = 0;  ///< of the runner; 0: none yet
+};
+
+}  // namespace diaphane::render

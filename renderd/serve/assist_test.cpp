@@ -1,0 +1,216 @@
+// Several workers that make one picture, over real gRPC with real CPU engines.
+
+#include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "api/proto/worker.grpc.pb.h"
+#include "renderd/engine/cpu_engine.h"
+#include "renderd/serve/grpc_assistants.h"
+#include "renderd/serve/grpc_server.h"
+#include "renderd/serve/test_worker.h"
+
+namespace diaphane::render {
+namespace {
+
+using namespace std::chrono_literals;
+using std::chrono::steady_clock;
+
+/// A worker that helps. Ends as a killed one does: its connections break.
+struct Helper {
+  explicit Helper(const std::string& store, std::uint16_t port = 0) {
+    RenderWorker::Options options;
+    options.volume_dir = store;
+    options.host.slots = 2;
+    options.runner.rules.target_error = 0.001;
+    worker = std::make_unique<RenderWorker>(options, make_cpu_engine(1), metrics, clock);
+    GrpcServer::Options at;
+    at.port = port;
+    server = std::move(
+        *GrpcServer::start(at, worker->host(), worker->stills(), metrics, &worker->assists()));
+  }
+  ~Helper() {
+    server->stop(0ms);
+    worker->stop();
+  }
+  std::string address() const { return "127.0.0.1:" + std::to_string(server->port()); }
+
+  prometheus::Registry registry;
+  Metrics metrics{registry};
+  SystemClock clock;
+  std::unique_ptr<RenderWorker> worker;
+  std::unique_ptr<GrpcServer> server;
+};
+
+class Assist : public testing::Test {
+ protected:
+  static constexpr Canvas kCanvas{96, 80};
+
+  void start(std::size_t helpers, CompositeOptions options) {
+    std::vector<std::string> addresses;
+    for (std::size_t i = 0; i < helpers; ++i) {
+      helpers_.push_back(std::make_unique<Helper>(store_.path));
+      addresses.push_back(helpers_.back()->address());
+    }
+    source_ = std::make_unique<GrpcAssistants>(addresses);
+    std::vector<std::unique_ptr<Engine>> devices;
+    devices.push_back(make_cpu_engine(1));
+    engine_ = make_composite_engine(std::move(devices), source_.get(), options);
+    const auto volume = volume::read(store_.path + "/" + volume_, false);
+    ASSERT_TRUE(volume);
+    loaded_ = *engine_->load(*volume);
+    scene_ = presets_for(loaded_->header()).front().scene();
+    renderer_ = *engine_->renderer(loaded_, 5, 0, kLiveMethod);
+    ASSERT_TRUE(renderer_->set_scene(scene_, kCanvas));
+  }
+  ~Assist() override {
+    renderer_.reset();
+    engine_.reset();
+    source_.reset();
+  }
+  const CompositeReport& report() const {
+    return dynamic_cast<CompositeRenderer&>(*renderer_).composite();
+  }
+  /// Renders as the scheduler does until `test`; false when that takes half a minute.
+  bool until(const std::function<bool()>& test) {
+    const auto end = steady_clock::now() + 30s;
+    while (!test()) {
+      if (steady_clock::now() > end) return false;
+      EXPECT_TRUE(renderer_->render(2, [] { return false; }));
+      (void)renderer_->progress();
+    }
+    return true;
+  }
+  /// Root mean square difference on the screen to a picture of one device.
+  double off() {
+    const auto one = make_cpu_engine(2);
+    const auto volume = volume::read(store_.path + "/" + volume_, false);
+    const auto truth = *one->renderer(*one->load(*volume), 99, 0, kLiveMethod);
+    EXPECT_TRUE(truth->set_scene(scene_, kCanvas));
+    EXPECT_TRUE(truth->render(100, [] { return false; }));
+    PictureRgb8 a, b;
+    EXPECT_TRUE(renderer_->display(a) && truth->display(b));
+    double squared = 0;
+    for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+      squared += std::pow((a.pixels[i] - b.pixels[i]) / 255.0, 2);
+    }
+    return std::sqrt(squared / static_cast<double>(a.pixels.size()));
+  }
+
+  TestStore store_;
+  std::string volume_ = store_.add_ball();
+  std::vector<std::unique_ptr<Helper>> helpers_;
+  std::unique_ptr<GrpcAssistants> source_;
+  std::unique_ptr<Engine> engine_;
+  std::shared_ptr<const DeviceVolume> loaded_;
+  v1::Scene scene_;
+  std::unique_ptr<FrameRenderer> renderer_;
+};
+
+TEST_F(Assist, AWorkerKilledOrJoiningInMidPictureCostsOrBringsItsShare) {
+  for (const Division division : {Division::kAverage, Division::kTiles}) {
+    start(2, {.division = division});
+    const auto parts = [&](std::uint64_t more) {
+      return [this, wanted = report().parts + more] { return report().parts >= wanted; };
+    };
+    ASSERT_TRUE(until([&] { return report().assistants == 2; })) << "they join in mid-picture";
+    ASSERT_TRUE(until(parts(4)));
+
+    const std::uint16_t port = helpers_[0]->server->port();
+    helpers_[0].reset();
+    ASSERT_TRUE(until([&] { return report().assistants == 1; }));
+    const auto before = renderer_->progress().samples;
+    ASSERT_TRUE(until([&] { return renderer_->progress().samples >= before + 20; }))
+        << "the picture goes on";
+    helpers_[0] = std::make_unique<Helper>(store_.path, port);
+    ASSERT_TRUE(until([&] { return report().assistants == 2; })) << "it is back";
+    ASSERT_TRUE(until([&] { return renderer_->progress().samples >= 80; }));
+    EXPECT_LT(off(), 0.04);
+    EXPECT_EQ(report().dropped_parts, 0u);
+
+    // A camera that moves: only parts of the newest picture count.
+    for (int step = 0; step < 10; ++step) {
+      scene_ = turned(scene_, 25);
+      ASSERT_TRUE(renderer_->set_scene(scene_, kCanvas));
+      ASSERT_TRUE(renderer_->render(1, [] { return false; }));
+    }
+    ASSERT_TRUE(until([&] { return renderer_->progress().samples >= 80; }));
+    EXPECT_LT(off(), 0.04) << "a ghost";
+    renderer_.reset();
+    engine_.reset();
+    source_.reset();
+    helpers_.clear();
+  }
+}
+
+TEST_F(Assist, AnAssistantRestsWithThePicture) {
+  start(1, {.division = Division::kAverage});
+  ASSERT_TRUE(until([&] { return report().parts >= 3; }));
+  // Nobody looks: what it renders on is no more than what it delivered.
+  const auto busy = [&] { return helpers_[0]->worker->runner().busy_seconds(); };
+  bool rests = false;
+  for (int i = 0; i < 20 && !rests; ++i) {
+    const double before = busy();
+    std::this_thread::sleep_for(300ms);
+    rests = busy() == before;
+  }
+  EXPECT_TRUE(rests);
+  const auto parts = report().parts;
+  ASSERT_TRUE(until([&] { return report().parts > parts + 1; })) << "and goes on";
+  // The session ends: so does its place there.
+  EXPECT_EQ(helpers_[0]->worker->assists().used(), 1u);
+  renderer_.reset();
+  for (int i = 0; i < 500 && helpers_[0]->worker->assists().used() > 0; ++i) {
+    std::this_thread::sleep_for(10ms);
+  }
+  EXPECT_EQ(helpers_[0]->worker->assists().used(), 0u);
+}
+
+/// What anybody may send, and how the call ends.
+TEST_F(Assist, NonsenseEndsTheCallAndHarmsNobody) {
+  start(1, {.division = Division::kAverage});
+  const auto stub = v1::RenderWorker::NewStub(
+      grpc::CreateChannel(helpers_[0]->address(), grpc::InsecureChannelCredentials()));
+  const auto status_of = [&](const std::vector<v1::AssistRequest>& requests) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + 10s);
+    const auto stream = stub->Assist(&context);
+    for (const auto& request : requests) stream->Write(request);
+    v1::AssistReply reply;
+    while (stream->Read(&reply)) {
+    }
+    return stream->Finish().error_code();
+  };
+  v1::AssistRequest open, task, wrong;
+  open.mutable_open()->set_volume_id(volume_);
+  v1::AssistTask& order = *task.mutable_task();
+  *order.mutable_scene() = scene_;
+  order.set_width(64);
+  order.set_height(64);
+  order.set_last_row(64);
+  order.set_parts(1);
+  EXPECT_EQ(status_of({task}), grpc::StatusCode::INVALID_ARGUMENT) << "before open";
+  EXPECT_EQ(status_of({open, open}), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(status_of({wrong}), grpc::StatusCode::INVALID_ARGUMENT);
+  wrong.mutable_open()->set_volume_id("../../etc");
+  EXPECT_EQ(status_of({wrong}), grpc::StatusCode::INVALID_ARGUMENT);
+  wrong.mutable_open()->set_volume_id(new_id());
+  EXPECT_EQ(status_of({wrong}), grpc::StatusCode::NOT_FOUND);
+  for (const auto& spoil : std::vector<std::function<void(v1::AssistTask&)>>{
+           [](v1::AssistTask& t) { t.set_width(0); },
+           [](v1::AssistTask& t) { t.set_height(100'000); },
+           [](v1::AssistTask& t) { t.set_first_row(8); },
+           [](v1::AssistTask& t) { t.set_last_row(0); }, [](v1::AssistTask& t) { t.set_parts(0); },
+           [](v1::AssistTask& t) { t.set_part(1); },
+           [](v1::AssistTask& t) { t.set_sequence(~0ull); },
+           [](v1::AssistTask& t) { t.mutable_scene()->Clear(); }}) {
+    v1::AssistRequest bad = task;
+    spoil(*bad.mutable_task());
+    EXPECT_EQ(status_of({open, bad}), grpc::StatusCode::INVALID_ARGUMENT);
+  }
+  EXPECT_TRUE(until([&] { return report().parts >= 3; })) << "the one that is there is helped";
+}
+
+}  // namespace
+}  // namespace diaphane::render

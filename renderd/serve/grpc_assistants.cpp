@@ -1,0 +1,312 @@
+#include "renderd/serve/grpc_assistants.h"
+
+#include <grpcpp/grpcpp.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <utility>
+
+#include "api/proto/worker.grpc.pb.h"
+#include "common/log.h"
+#include "renderd/composite/wire.h"
+
+namespace diaphane::render {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kRetry{1};
+/// A band has about 1 MB of pixels; one row of the widest canvas more.
+constexpr int kMostMessageBytes = 8 << 20;
+
+v1::AssistRequest request_of(const AssistTask& task) {
+  v1::AssistRequest request;
+  v1::AssistTask& message = *request.mutable_task();
+  message.set_epoch(task.epoch);
+  *message.mutable_scene() = *task.scene;
+  message.set_width(task.canvas.width);
+  message.set_height(task.canvas.height);
+  message.set_first_row(task.share.first_row);
+  message.set_last_row(task.share.last_row);
+  message.set_part(task.share.part);
+  message.set_parts(task.share.parts);
+  message.set_sequence(task.share.sequence);
+  return request;
+}
+
+/// Nothing where the band is none.
+std::optional<AssistPart> part_of(const v1::AssistBand& band) {
+  if (band.width() == 0 || band.width() > kLongestCanvas || band.rows() > kLongestCanvas) {
+    return std::nullopt;
+  }
+  auto pixels =
+      pixels_from_wire(band.pixels(), std::size_t{band.width()} * std::size_t{band.rows()});
+  if (!pixels) return std::nullopt;
+  AssistPart part;
+  part.epoch = band.epoch();
+  part.sequence = band.sequence();
+  part.film = {band.width(), band.first_row(), band.rows(), band.samples(), std::move(*pixels)};
+  part.seconds = static_cast<double>(band.render_us()) * 1e-6;
+  part.bytes = band.pixels().size();
+  return part;
+}
+
+/// What one connection has brought and what waits to be sent; of the compositor's thread and of
+/// gRPC's.
+class Exchange {
+ public:
+  void put(AssistPart part, bool last) {
+    const std::lock_guard lock(mutex_);
+    parts_.push_back({std::move(part), last});
+  }
+  /// And whether it was the last band of its part.
+  std::optional<std::pair<AssistPart, bool>> take() {
+    const std::lock_guard lock(mutex_);
+    if (parts_.empty()) return std::nullopt;
+    auto first = std::move(parts_.front());
+    parts_.pop_front();
+    return first;
+  }
+  std::atomic<bool> ready{false};
+  std::atomic<bool> broken{false};
+
+ private:
+  std::mutex mutex_;
+  std::deque<std::pair<AssistPart, bool>> parts_;
+};
+
+}  // namespace
+
+/// A worker, and how many calls to it are under way.
+struct GrpcAssistants::Peer {
+  std::string address;
+  std::unique_ptr<v1::RenderWorker::Stub> stub;
+  std::mutex mutex;
+  std::condition_variable changed;
+  int calls = 0;
+
+  void began() {
+    const std::lock_guard lock(mutex);
+    ++calls;
+  }
+  void ended() {
+    // Under the lock: the one who waits may destroy this right after.
+    const std::lock_guard lock(mutex);
+    --calls;
+    changed.notify_all();
+  }
+};
+
+namespace {
+
+/// One Assist on the asking side. Deletes itself when gRPC is done with it; whoever uses it holds
+/// `Call`, which is told.
+class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::AssistReply> {
+ public:
+  CallReactor(v1::RenderWorker::Stub& stub, const AssistOrder& order,
+              std::shared_ptr<Exchange> exchange, std::function<void()> over)
+      : exchange_(std::move(exchange)), over_(std::move(over)) {
+    stub.async()->Assist(&context_, this);
+    // Held while requests may still be written from outside of the reactions.
+    AddHold();
+    v1::AssistRequest open;
+    open.mutable_open()->set_volume_id(order.volume_id);
+    open.mutable_open()->set_seed(order.seed);
+    open.mutable_open()->set_first_sample(order.first_sample);
+    send(std::move(open));
+    StartRead(&reply_);
+    StartCall();
+  }
+
+  /// A task replaces one that was not sent yet.
+  void send(v1::AssistRequest request) {
+    const std::lock_guard lock(mutex_);
+    if (closing_) return;
+    if (request.has_task()) {
+      std::erase_if(queue_, [](const v1::AssistRequest& waits) { return waits.has_task(); });
+    }
+    queue_.push_back(std::move(request));
+    write_next();
+  }
+  /// Nothing may be sent any more; the call ends.
+  void leave() {
+    {
+      const std::lock_guard lock(mutex_);
+      closing_ = true;
+      queue_.clear();
+    }
+    context_.TryCancel();
+    RemoveHold();
+  }
+
+  void OnReadDone(bool ok) override {
+    if (!ok) {
+      exchange_->broken = true;
+      return;
+    }
+    if (reply_.has_ready()) exchange_->ready = true;
+    if (reply_.has_band()) {
+      auto part = part_of(reply_.band());
+      if (!part) {
+        exchange_->broken = true;
+        context_.TryCancel();
+      } else {
+        exchange_->put(std::move(*part), reply_.band().last());
+      }
+    }
+    StartRead(&reply_);
+  }
+  void OnWriteDone(bool ok) override {
+    const std::lock_guard lock(mutex_);
+    writing_ = false;
+    if (!ok) {
+      queue_.clear();
+      exchange_->broken = true;
+      return;
+    }
+    write_next();
+  }
+  void OnDone(const grpc::Status&) override {
+    exchange_->broken = true;
+    const auto over = std::move(over_);
+    delete this;
+    over();
+  }
+
+ private:
+  void write_next() {
+    if (writing_ || queue_.empty()) return;
+    writing_ = true;
+    request_ = std::move(queue_.front());
+    queue_.pop_front();
+    StartWrite(&request_);
+  }
+
+  grpc::ClientContext context_;
+  std::shared_ptr<Exchange> exchange_;
+  std::function<void()> over_;
+  v1::AssistReply reply_;
+  std::mutex mutex_;
+  std::deque<v1::AssistRequest> queue_;
+  v1::AssistRequest request_;
+  bool writing_ = false, closing_ = false;
+};
+
+/// Of one session and one worker. All calls come from the session's renderer.
+template <typename Peer>
+class GrpcAssistant final : public Assistant {
+ public:
+  GrpcAssistant(std::shared_ptr<Peer> peer, AssistOrder order)
+      : peer_(std::move(peer)), order_(std::move(order)) {
+    connect();
+  }
+  ~GrpcAssistant() override { disconnect(); }
+
+  void begin(const AssistTask& task) override {
+    // What is on its way is of older tasks, but valid: it is merged or dropped by its epoch.
+    if (call_ != nullptr) call_->send(request_of(task));
+  }
+
+  std::optional<AssistPart> take(const AssistNews& news) override {
+    auto next = exchange_->take();
+    if (!next) return std::nullopt;
+    measure(next->first.bytes);
+    if (next->second && call_ != nullptr) {
+      v1::AssistRequest request;
+      request.mutable_taken()->set_samples(news.samples);
+      const bool known = news.error > 0 && news.error < 1e6;
+      request.mutable_taken()->set_error(known ? news.error : 0);
+      call_->send(std::move(request));
+    }
+    return std::move(next->first);
+  }
+
+  bool lost() override {
+    if (!exchange_->broken) return !exchange_->ready;
+    if (exchange_->ready.exchange(false)) {
+      log::warning("assistant_lost", {{"address", peer_->address}});
+    }
+    if (Clock::now() - tried_ > kRetry) {
+      disconnect();
+      connect();
+    }
+    return true;
+  }
+
+  double bytes_per_second() const override { return bytes_per_second_; }
+
+ private:
+  void connect() {
+    tried_ = Clock::now();
+    exchange_ = std::make_shared<Exchange>();
+    peer_->began();
+    call_ = new CallReactor(*peer_->stub, order_, exchange_, [peer = peer_] { peer->ended(); });
+  }
+  void disconnect() {
+    if (auto* call = std::exchange(call_, nullptr)) call->leave();
+  }
+  /// Bands that come one after the other tell how fast they come.
+  void measure(std::uint64_t bytes) {
+    const auto now = Clock::now();
+    const double seconds = std::chrono::duration<double>(now - measured_since_).count();
+    if (seconds > 1) {
+      measured_since_ = now;
+      measured_ = 0;
+    }
+    measured_ += bytes;
+    // A lower bound: what was not asked for was not sent.
+    if (seconds > 0.05 && seconds <= 1) {
+      bytes_per_second_ =
+          std::max(0.9 * bytes_per_second_, static_cast<double>(measured_) / seconds);
+    }
+  }
+
+  const std::shared_ptr<Peer> peer_;
+  const AssistOrder order_;
+  std::shared_ptr<Exchange> exchange_;
+  CallReactor* call_ = nullptr;
+  Clock::time_point tried_{};
+  Clock::time_point measured_since_{};
+  std::uint64_t measured_ = 0;
+  double bytes_per_second_ = 1e8;
+};
+
+}  // namespace
+
+GrpcAssistants::GrpcAssistants(std::vector<std::string> addresses) {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(kMostMessageBytes);
+  // A worker that vanished without a word is noticed within 5 s, and looked for again each second.
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);
+  for (std::string& address : addresses) {
+    auto peer = std::make_shared<Peer>();
+    peer->stub = v1::RenderWorker::NewStub(
+        grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments));
+    peer->address = std::move(address);
+    peers_.push_back(std::move(peer));
+  }
+}
+
+GrpcAssistants::~GrpcAssistants() {
+  for (const auto& peer : peers_) {
+    std::unique_lock lock(peer->mutex);
+    peer->changed.wait(lock, [&] { return peer->calls == 0; });
+  }
+}
+
+std::vector<std::unique_ptr<Assistant>> GrpcAssistants::assistants(const AssistOrder& order) {
+  std::vector<std::unique_ptr<Assistant>> all;
+  for (const auto& peer : peers_) {
+    all.push_back(std::make_unique<GrpcAssistant<Peer>>(peer, order));
+  }
+  return all;
+}
+
+}  // namespace diaphane::render
