@@ -149,8 +149,9 @@ void AssistHost::Session::end(const Error& why) {
     const std::lock_guard lock(mutex_);
     link = link_;
   }
-  if (link) link->finish(why);
+  // Its place is free before the other side hears of it.
   closed();
+  if (link) link->finish(why);
 }
 
 Wanted AssistHost::Session::wanted() {
