@@ -115,7 +115,9 @@ Result<bool> CudaFilm::take(FilmPart& out, cudaStream_t stream) {
   out.pixels.resize(count);
   DIAPHANE_CUDA_TRY(pack_film({sum_.data(), difference_.data(), state_.data()}, first, count,
                               out.samples, packed_.data(), stream));
-  DIAPHANE_TRY(download(out.pixels.data(), packed_, count, stream));
+  DIAPHANE_TRY(read_back(reinterpret_cast<std::uint8_t*>(out.pixels.data()),
+                         reinterpret_cast<const std::uint8_t*>(packed_.data()),
+                         count * sizeof(PackedPixel), stream));
   taken_ = rows_.least();
   return true;
 }
