@@ -16,15 +16,16 @@ class LaunchSize {
   /// Samples of pixels.
   std::uint64_t work() const { return work_; }
 
-  /// A new scene, on a picture of so many pixels. Nothing is known of it but that a sample may cost
-  /// `most_cost` times that of a single collision: the first launch is small.
-  void forget(double most_cost = 1, std::uint64_t pixels = 1) {
-    most_cost = std::max(most_cost, 1.0);
-    work_ = std::max<std::uint64_t>(static_cast<std::uint64_t>(kFirst / most_cost), 1);
+  /// A new scene, on a picture of so many pixels, with paths of so many collisions at most. Nothing
+  /// is known of it but that a sample may cost `most_cost` times that of a single collision: the
+  /// first launch is small.
+  void forget(double most_cost = 1, std::uint64_t pixels = 1, std::uint32_t longest = 1) {
+    work_ =
+        std::max<std::uint64_t>(static_cast<std::uint64_t>(kFirst / std::max(most_cost, 1.0)), 1);
     // Rows of background say nothing of the dense ones below them, so growth has a bound until all
     // were seen, and a low one where paths may be very long.
-    const double longest = most_cost / kManyCollisions;
-    unseen_most_ = most_cost > 1 ? 4 * kFirst / std::max(longest * longest, 1.0) : kLargest;
+    const double many = longest / kManyCollisions;
+    unseen_most_ = longest > 1 ? 4 * kFirst / std::max(many * many, 1.0) : kLargest;
     pixels_ = unseen_ = std::max<std::uint64_t>(pixels, 1);
     fits_all_ = fits_seen_ = kLargest;
   }

@@ -37,7 +37,7 @@ TEST(LaunchSize, GrowsAtMostFourfoldAndShrinksAtOnce) {
 TEST(LaunchSize, BackgroundDoesNotMakeTheDenseRowsBelowItLong) {
   constexpr std::uint64_t kHalf = 2048 * 1024;
   LaunchSize size;
-  size.forget(1024, 2 * kHalf);
+  size.forget(1024, 2 * kHalf, 1024);
   double longest = 0;
   int launches = 0;
   for (int turn = 0; turn < 3; ++turn) {

@@ -162,7 +162,7 @@ Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas ca
   // A path goes on to its last collision at most; in a walk's time some eight are found.
   const std::uint32_t paths = exact_ ? exact_->paths() : 1;
   launch_size_.forget(1 + paths * (prepared_.bounces - 1) / 8.0,
-                      std::uint64_t{canvas.width} * canvas.height);
+                      std::uint64_t{canvas.width} * canvas.height, prepared_.bounces);
   launch_milliseconds_ = 0;
   seconds_ = 0;
   dropped_ = 0;

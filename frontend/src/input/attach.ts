@@ -1,8 +1,14 @@
 import { Gestures, wheel_zoom, type Gesture, type PointerSample } from "./gestures";
 
-/** Listens to the hands on `element` until the given signal is aborted. */
-export function attach_gestures(element: HTMLElement, act: (gesture: Gesture) => void, signal: AbortSignal): void {
+/** Listens to the hands on `element` until the given signal is aborted. `rested`: the last one that moved was lifted. */
+export function attach_gestures(
+  element: HTMLElement,
+  act: (gesture: Gesture) => void,
+  rested: () => void,
+  signal: AbortSignal,
+): void {
   const gestures = new Gestures();
+  let acted = false;
   const sample = (event: PointerEvent): PointerSample => {
     const box = element.getBoundingClientRect();
     return {
@@ -25,7 +31,10 @@ export function attach_gestures(element: HTMLElement, act: (gesture: Gesture) =>
   const moved = (event: PointerEvent) => {
     if (!gestures.active) return;
     const area = { width: element.clientWidth, height: element.clientHeight };
-    for (const gesture of gestures.move(sample(event), area)) act(gesture);
+    for (const gesture of gestures.move(sample(event), area)) {
+      acted = true;
+      act(gesture);
+    }
   };
   element.addEventListener("pointermove", moved, passive);
   // A move is told with the next picture of the screen; by some browsers sooner, and then the first since the last
@@ -40,7 +49,10 @@ export function attach_gestures(element: HTMLElement, act: (gesture: Gesture) =>
   element.addEventListener("pointerrawupdate", moved_early, passive);
   const released = (event: PointerEvent) => {
     gestures.up(event.pointerId);
-    if (!gestures.active) delete element.dataset.held;
+    if (gestures.active) return;
+    delete element.dataset.held;
+    if (acted) rested();
+    acted = false;
   };
   element.addEventListener("pointerup", released, passive);
   element.addEventListener("pointercancel", released, passive);

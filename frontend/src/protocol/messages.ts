@@ -67,12 +67,15 @@ export function encode_hello({ codecs, stills }: Abilities, pixel_ratio: number,
 export interface SceneChange {
   readonly scene?: Scene;
   readonly viewport?: Viewport;
+  /** The gesture is over. */
+  readonly rest?: boolean;
 }
 
 export function encode_scene(input_seq: number, change: SceneChange): Bytes {
   const value = create(SceneUpdateSchema, { inputSeq: BigInt(input_seq) });
   if (change.scene) value.scene = change.scene;
   if (change.viewport) value.viewport = create(ViewportSchema, change.viewport);
+  value.rest = change.rest ?? false;
   return encoded(create(ClientMessageSchema, { body: { case: "scene", value } }));
 }
 

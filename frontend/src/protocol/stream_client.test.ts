@@ -122,6 +122,22 @@ describe("the stream client", () => {
     ]);
   });
 
+  it("says that a gesture is over, with its last scene or after it, and not of the next", async () => {
+    await world.live();
+    const rests = () => world.sent.flatMap(({ body }) => (body.case === "scene" ? [body.value.rest] : []));
+    world.client.set_scene(scene(2));
+    world.client.set_scene(scene(3));
+    world.client.rest();
+    world.screen();
+    expect(rests()).toEqual([false, true]);
+    world.screen();
+    world.client.set_scene(scene(4));
+    world.screen();
+    world.client.rest();
+    expect(rests()).toEqual([false, true, false, true]);
+    expect(world.client.input_seq).toBe(4);
+  });
+
   it("takes the scene of a session that is further than it, and counts on from there", async () => {
     await world.live(7, 41);
     expect(world.updates()).toEqual([]);

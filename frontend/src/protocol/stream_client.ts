@@ -85,6 +85,7 @@ export class StreamClient {
   private visible_ = true;
   private input_seq_ = 0;
   private scene_pending_ = false;
+  private rest_pending_ = false;
   private viewport_pending_ = false;
   private holding_ = false;
   /** The scene is this page's to change: it presents, or has a camera of its own. */
@@ -145,10 +146,18 @@ export class StreamClient {
     if (this.state_.phase === "live") this.socket_?.send(encode_own_camera(on));
   }
 
-  set_scene(scene: Scene): void {
+  set_scene(scene: Scene, rest = false): void {
     if (!this.leads_) return;
     this.scene_ = scene;
     this.scene_pending_ = true;
+    this.rest_pending_ = rest;
+    this.plan_flush();
+  }
+
+  /** Nothing more comes for now (the pointer was lifted): the whole picture need not wait for silence. */
+  rest(): void {
+    if (!this.leads_) return;
+    this.rest_pending_ = true;
     this.plan_flush();
   }
 
@@ -193,16 +202,18 @@ export class StreamClient {
 
   /** Whether there was something to send, and somebody to hear it. */
   private flush(): boolean {
-    if (!this.scene_pending_ && !this.viewport_pending_) return false;
+    if (!this.scene_pending_ && !this.viewport_pending_ && !this.rest_pending_) return false;
     if (this.state_.phase !== "live" || !this.socket_) return false; // said by `configured` once there is a connection
     this.input_seq_ += 1;
     this.socket_.send(
       encode_scene(this.input_seq_, {
         ...(this.scene_pending_ && this.scene_ ? { scene: this.scene_ } : {}),
         ...(this.viewport_pending_ ? { viewport: this.viewport_ } : {}),
+        rest: this.rest_pending_,
       }),
     );
     this.scene_pending_ = false;
+    this.rest_pending_ = false;
     this.viewport_pending_ = false;
     return true;
   }

@@ -213,18 +213,23 @@ export class ViewerSession {
     if (scene && pose) this.set_scene(with_camera(scene, apply_gesture(pose, gesture)));
   }
 
+  /** The hand was lifted. */
+  rest(): void {
+    this.client_.rest();
+  }
+
   /** Another look at the same place. */
   apply_preset(preset: Preset): void {
     if (!preset.scene) return;
     const pose = this.scene.value && camera_of(this.scene.value);
-    this.set_scene(pose ? with_camera(preset.scene, pose) : preset.scene);
+    this.set_scene(pose ? with_camera(preset.scene, pose) : preset.scene, true);
   }
 
   /** To the view that the preset began with. */
   reset_camera(): void {
     const scene = this.scene.value;
     const home = this.home();
-    if (scene && home) this.set_scene(with_camera(scene, home));
+    if (scene && home) this.set_scene(with_camera(scene, home), true);
   }
 
   active_preset(): Preset | null {
@@ -258,11 +263,11 @@ export class ViewerSession {
     this.client_.set_viewport(size);
   }
 
-  private set_scene(scene: Scene): void {
+  private set_scene(scene: Scene, rest = false): void {
     if (!this.client_.leads) return; // a follower looks on
     this.scene.value = scene;
     this.problem.value = "";
-    this.client_.set_scene(scene);
+    this.client_.set_scene(scene, rest);
     this.remember_soon();
   }
 

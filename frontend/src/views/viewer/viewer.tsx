@@ -181,7 +181,7 @@ function facts_of(session: ViewerSession | null): Record<string, string> {
 
 /** Ties a session to what happens to the page and to hands on the picture. */
 function connect_page(session: ViewerSession, element: HTMLCanvasElement, signal: AbortSignal): void {
-  attach_gestures(element, (gesture) => session.act(gesture), signal);
+  attach_gestures(element, (gesture) => session.act(gesture), () => session.rest(), signal);
   watch_device_pixels(element, (size) => session.resize(size), signal);
   document.addEventListener("visibilitychange", () => session.set_visible(!document.hidden), { signal });
   addEventListener("online", () => session.wake(), { signal });
