@@ -38,11 +38,6 @@ std::uint64_t EncodeLane::skipped() const {
   return skipped_;
 }
 
-void EncodeLane::request_key() {
-  const std::lock_guard lock(mutex_);
-  key_ = true;
-}
-
 void EncodeLane::schedule(std::unique_lock<std::mutex>& lock) {
   if (scheduled_) {
     poked_ = true;
@@ -65,17 +60,17 @@ void EncodeLane::run() {
   }
   const FrameInfo asked = slot_->info;
   lock.unlock();
-  const Admission admission = sink->admit(asked);
+  const Admitted admitted = sink->admit(asked);
   lock.lock();
-  if (admission == Admission::kGo) {
+  if (admitted.admission == Admission::kGo) {
     // The slot may have got a newer picture meanwhile: that one goes.
     RenderedPicture picture = std::move(*slot_);
     slot_.reset();
-    const bool key = std::exchange(key_, false);
     lock.unlock();
     const auto start = std::chrono::steady_clock::now();
-    auto coded = encoder_->encode(
-        picture.picture, {picture.info.moving ? Quality::kMoving : Quality::kSettled, key});
+    const Quality quality = picture.info.moving ? Quality::kMoving : Quality::kSettled;
+    const std::uint32_t most = picture.info.moving ? admitted.moving_bytes : admitted.settled_bytes;
+    auto coded = encoder_->encode(picture.picture, {quality, admitted.key, most});
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (coded) {
@@ -84,11 +79,11 @@ void EncodeLane::run() {
       sink->dropped(picture.info, coded.error());
     }
     lock.lock();
-  } else if (admission == Admission::kDrop && slot_->info.epoch == asked.epoch &&
+  } else if (admitted.admission == Admission::kDrop && slot_->info.epoch == asked.epoch &&
              slot_->info.samples == asked.samples) {
     slot_.reset();
     ++skipped_;
-  } else if (admission == Admission::kDrop) {
+  } else if (admitted.admission == Admission::kDrop) {
     poked_ = true;  // a newer one came while the old one was judged
   }
   scheduled_ = false;

@@ -16,7 +16,7 @@ class FrameSink {
  public:
   virtual ~FrameSink() = default;
   /// kGo: encode and hand over by `coded` or `dropped`. kWait: keep it until `poke`.
-  virtual Admission admit(const FrameInfo& frame) = 0;
+  virtual Admitted admit(const FrameInfo& frame) = 0;
   virtual void coded(const FrameInfo& frame, Canvas size, CodedFrame data, double seconds) = 0;
   virtual void dropped(const FrameInfo& frame, const Error& why) = 0;
 };
@@ -35,8 +35,6 @@ class EncodeLane : public std::enable_shared_from_this<EncodeLane> {
   bool slot_free() const;
   /// Pictures replaced by a newer one, or dropped as out of date, before they were encoded.
   std::uint64_t skipped() const;
-  /// The next frame will be decodable on its own.
-  void request_key();
 
  private:
   void schedule(std::unique_lock<std::mutex>& lock);
@@ -49,7 +47,6 @@ class EncodeLane : public std::enable_shared_from_this<EncodeLane> {
   std::optional<RenderedPicture> slot_;
   bool scheduled_ = false;  // a job of this lane is queued or running
   bool poked_ = false;      // while it ran
-  bool key_ = true;
   std::uint64_t skipped_ = 0;
 };
 

@@ -66,10 +66,10 @@ TEST(JpegEncoder, APictureThatLiesAboutItsSizeIsRefused) {
 
 class Sink final : public FrameSink {
  public:
-  Admission admit(const FrameInfo& frame) override {
+  Admitted admit(const FrameInfo& frame) override {
     const std::lock_guard lock(mutex);
     judged.push_back(frame.epoch);
-    return answer;
+    return {answer};
   }
   void coded(const FrameInfo& frame, Canvas, CodedFrame, double) override {
     {

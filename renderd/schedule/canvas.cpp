@@ -40,7 +40,8 @@ Canvas plan_canvas(const CanvasQuestion& question) {
     }
     return kScales.back();
   };
-  const double scale = largest(alone, kScales.back());
+  const double scale =
+      std::min(largest(alone, kScales.back()), std::max(question.largest_moving, kScales.back()));
   if (question.sharing <= 1 || !(cost > 0)) return scaled(question.viewport, scale);
   const auto seconds = [&](double at) {
     return question.seconds_first + cost * pixels(scaled(question.viewport, at));

@@ -12,6 +12,7 @@ struct CanvasQuestion {
   double seconds_first = 0;      ///< of a new picture beside its samples
   bool moving = false;           ///< input came within the last moment
   std::size_t sharing = 1;       ///< sessions of the device that move, this one among them
+  double largest_moving = 1;     ///< of the viewport's sides, while moving: for the connection
 };
 
 /// One sample of a moving picture should take at most about this long: input to picture stays
@@ -27,10 +28,10 @@ inline constexpr double kRestSeconds = 0.15;
 /// Pixels of the very first picture on a device whose speed nobody has measured.
 inline constexpr double kProbePixels = 256.0 * 256.0;
 
-/// The size to render at: the viewport's, or, while moving on a slow or a crowded device, an even
-/// fraction of it with the same shape, never below 16 pixels a side. Pure. A current size that is
-/// still fitting is kept, so that a picture does not flicker between sizes when the cost is near a
-/// border.
+/// The size to render at: the viewport's, or, while moving on a slow or a crowded device or to a
+/// viewer behind a slow connection, an even fraction of it with the same shape, never below 16
+/// pixels a side. Pure. A current size that is still fitting is kept, so that a picture does not
+/// flicker between sizes when the cost is near a border.
 Canvas plan_canvas(const CanvasQuestion& question);
 
 }  // namespace diaphane::render

@@ -89,5 +89,16 @@ TEST(MovingCanvas, ASizeOnTheScreenIsKeptWhileTheCostIsNearABorder) {
   }
 }
 
+TEST(PlanCanvas, ASlowConnectionBoundsTheMovingSizeAndNoOther) {
+  CanvasQuestion question{.viewport = {1280, 720}, .seconds_per_pixel = 1e-9, .moving = true};
+  EXPECT_EQ(plan_canvas(question), question.viewport);
+  question.largest_moving = 0.5;
+  EXPECT_EQ(plan_canvas(question), (Canvas{640, 360}));
+  question.seconds_per_pixel = 1e-5;  // the device is slower still
+  EXPECT_LT(plan_canvas(question).width, 640U);
+  question.moving = false;
+  EXPECT_EQ(plan_canvas(question), question.viewport);
+}
+
 }  // namespace
 }  // namespace diaphane::render

@@ -51,7 +51,8 @@ void Ledger::refresh(Wanted wanted, const DeviceCosts& device, const LedgerRules
                    .seconds_per_pixel = seconds_per_pixel(device),
                    .seconds_first = first_seconds_ > 0 ? first_seconds_ : device.seconds_first,
                    .moving = moving_,
-                   .sharing = device.moving_sessions});
+                   .sharing = device.moving_sessions,
+                   .largest_moving = wanted_.moving_scale});
   if (refused_size_ == planned_) planned_ = canvas_;
 }
 

@@ -40,9 +40,9 @@ class LiveSession::Lane final : public FrameSink {
   Lane(std::weak_ptr<LiveSession> session, v1::Codec for_codec)
       : codec(for_codec), session_(std::move(session)) {}
 
-  Admission admit(const FrameInfo& frame) override {
+  Admitted admit(const FrameInfo& frame) override {
     const auto session = session_.lock();
-    return session ? session->admit(*this, frame) : Admission::kDrop;
+    return session ? session->admit(*this, frame) : Admitted{};
   }
   void coded(const FrameInfo& frame, Canvas size, CodedFrame data, double seconds) override {
     if (const auto session = session_.lock()) {
@@ -75,6 +75,10 @@ LiveSession::LiveSession(SessionParts parts, Start start, std::function<void()> 
   state_.wanted.version = 1;
   state_.camera_only = start.camera_only;
   if (!start.presenter.empty()) state_.audience.presenter = std::move(start.presenter);
+  state_.codecs.clear();
+  for (const v1::Codec codec : {v1::H264, v1::JPEG, v1::MPEG1}) {
+    if (can_encode(codec)) state_.codecs.push_back(codec);
+  }
   version_ = 1;
   stats_since_ = parts_.clock.now();
   state_.detached_since = stats_since_;
@@ -204,6 +208,7 @@ void LiveSession::tick() {
   }
   // One that sets the pace may have stalled, and a key frame may be due, without anybody's word.
   for (const auto& lane : poked) lane->slot->poke();
+  send_tiles();
 }
 
 std::uint64_t LiveSession::placement() const {
@@ -268,6 +273,7 @@ std::uint64_t LiveSession::version() const noexcept {
 void LiveSession::began(std::uint64_t epoch, const Wanted& wanted) {
   const std::lock_guard lock(mutex_);
   render::began(state_, epoch, wanted);
+  last_.reset();
 }
 
 void LiveSession::refused(const Wanted& wanted, const Error& why) {
@@ -286,6 +292,7 @@ void LiveSession::rendered(const Batch& batch) {
 
 void LiveSession::picture(RenderedPicture picture) {
   if (parts_.mark_frames) draw_frame_mark(picture.picture, picture.info.input_seq);
+  keep_if_last(picture);
   const Lanes all = lanes();
   for (std::size_t i = 0; i + 1 < all.size(); ++i) all[i]->slot->submit(picture);
   if (!all.empty()) all.back()->slot->submit(std::move(picture));
@@ -297,12 +304,10 @@ void LiveSession::failed(const Error& why) {
   on_ended_();
 }
 
-Admission LiveSession::admit(Lane& lane, const FrameInfo& frame) {
+Admitted LiveSession::admit(const Lane& lane, const FrameInfo& frame) {
   const std::lock_guard lock(mutex_);
-  if (!in_use(lane)) return Admission::kDrop;
-  const Admitted admitted = render::admit(state_, lane.codec, frame, parts_.clock.now());
-  if (admitted.key) lane.slot->request_key();
-  return admitted.admission;
+  if (!in_use(lane)) return {};
+  return render::admit(state_, lane.codec, frame, parts_.clock.now());
 }
 
 void LiveSession::coded(const Lane& lane, const FrameInfo& frame, Canvas size, CodedFrame data,
@@ -312,7 +317,8 @@ void LiveSession::coded(const Lane& lane, const FrameInfo& frame, Canvas size, C
     const std::lock_guard lock(mutex_);
     if (!in_use(lane)) return;
     const std::size_t bytes = data.data.size();
-    const Departures departures = depart(state_, lane.codec, frame, data.key, parts_.clock.now());
+    const Departures departures =
+        depart(state_, lane.codec, frame, {data.key, bytes}, parts_.clock.now());
     v1::ServerMessage message;
     v1::Frame& out = *message.mutable_frame();
     out.set_codec(data.codec);
@@ -326,6 +332,8 @@ void LiveSession::coded(const Lane& lane, const FrameInfo& frame, Canvas size, C
     out.set_denoised(frame.denoised);
     out.set_render_us(frame.render_us);
     out.set_encode_us(static_cast<std::uint64_t>(seconds * 1e6));
+    out.set_quality(frame.moving ? v1::MOVING : v1::SETTLED);
+    out.set_decoder(std::move(data.decoder));
     out.set_data(std::move(data.data));
     for (const Departure& departure : departures.frames) {
       if (departure.look) send_look(departure.connection);
@@ -339,7 +347,72 @@ void LiveSession::coded(const Lane& lane, const FrameInfo& frame, Canvas size, C
     }
     if (departures.input_to_frame) parts_.metrics.input_to_frame(*departures.input_to_frame);
   }
+  send_tiles();
   parts_.runner.wake();  // the slot is free again
+}
+
+void LiveSession::keep_if_last(RenderedPicture& picture) {
+  if (!picture.info.converged) return;
+  const std::lock_guard lock(mutex_);
+  FrameInfo& info = picture.info;
+  // A small moving picture may converge too, but it is not the end: that has the viewport's size.
+  info.converged = picture.picture.size == state_.shown.viewport;
+  if (!info.converged || info.moving) return;  // at rest it comes again, in its settled quality
+  if (last_ && last_->info.epoch == info.epoch && last_->info.samples == info.samples) return;
+  const auto& receivers = state_.audience.receivers;
+  const bool wanted = std::any_of(receivers.begin(), receivers.end(), [](const Receiver& one) {
+    return one.stills != v1::STILL_FORMAT_UNSPECIFIED;
+  });
+  if (!wanted) return;
+  last_ = Last{info, std::make_shared<TileSource>(parts_.encoders, picture.picture,
+                                                  [weak = weak_from_this()] {
+                                                    if (const auto session = weak.lock())
+                                                      session->send_tiles();
+                                                  })};
+}
+
+void LiveSession::send_tiles() {
+  const std::lock_guard lock(mutex_);
+  if (!last_) return;
+  TileSource& source = *last_->tiles;
+  const TimePoint now = parts_.clock.now();
+  const auto tiles = static_cast<std::uint32_t>(source.tiles().size());
+  for (bool sent = true; sent;) {
+    sent = false;
+    for (const TileDue& due : tiles_due(state_, last_->info, tiles, now)) {
+      const auto coded = source.get(due.tile, due.format);
+      (void)source.get(due.tile + 1, due.format);  // coded while this one is on its way
+      if (!coded) continue;
+      send_tile(due, *coded, depart_tile(state_, due, tiles, coded->data.size(), now));
+      sent = true;
+    }
+  }
+}
+
+void LiveSession::send_tile(const TileDue& due, const CodedTile& coded,
+                            const Departure& departure) {
+  const auto& tiles = last_->tiles->tiles();
+  const Tile& tile = tiles[due.tile];
+  v1::ServerMessage message;
+  v1::Still& out = *message.mutable_still();
+  out.set_epoch(last_->info.epoch);
+  out.set_tile(due.tile);
+  out.set_tiles(static_cast<std::uint32_t>(tiles.size()));
+  out.set_x(tile.x);
+  out.set_y(tile.y);
+  out.set_width(tile.width);
+  out.set_height(tile.height);
+  out.set_data(coded.data);
+  out.set_hash(coded.hash);
+  out.set_format(coded.format);
+  out.set_seq(departure.seq);
+  out.set_iteration(last_->info.samples);
+  out.set_error(last_->info.error);
+  send(due.connection, message);
+  if (!departure.state) return;
+  v1::ServerMessage after;
+  *after.mutable_state() = *departure.state;
+  send(due.connection, after);
 }
 
 void LiveSession::dropped(const Lane& lane, const Error& why) {
@@ -426,6 +499,7 @@ void LiveSession::carry_out(const Outcome& outcome, std::uint64_t connection,
   const Lanes poked = outcome.room ? lanes_ : Lanes{};
   lock.unlock();
   for (const auto& lane : poked) lane->slot->poke();
+  if (outcome.room) send_tiles();
   if (outcome.wake) parts_.runner.wake();
 }
 

@@ -5,12 +5,14 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "api/proto/stream.pb.h"
 #include "common/clock.h"
 #include "renderd/encode/encode_lane.h"
+#include "renderd/encode/tile_source.h"
 #include "renderd/schedule/runner.h"
 #include "renderd/serve/metrics.h"
 #include "renderd/session/state.h"
@@ -130,14 +132,19 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   using Lanes = std::vector<std::shared_ptr<Lane>>;
 
   // What an encoder asks and tells, of the lane that it codes for.
-  Admission admit(Lane& lane, const FrameInfo& frame);
+  Admitted admit(const Lane& lane, const FrameInfo& frame);
   void coded(const Lane& lane, const FrameInfo& frame, Canvas size, CodedFrame data,
              double seconds);
   void dropped(const Lane& lane, const Error& why);
 
+  /// The lossless end: sends what is coded and has room, and has coded what comes next.
+  void send_tiles();
+  void keep_if_last(RenderedPicture& picture);
+
   // All of these under the lock.
   void send(std::uint64_t connection, const diaphane::v1::ServerMessage& message);
   void send_config(std::uint64_t connection);
+  void send_tile(const TileDue& due, const CodedTile& coded, const Departure& departure);
   void send_look(std::uint64_t connection);
   void tell_audience();
   void finish_link(std::uint64_t connection, const Error& why, bool with_problem);
@@ -174,6 +181,12 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   // By connection here. Its lock may be taken under ours, never ours under its.
   std::map<std::uint64_t, OwnCamera> branches_;
   std::shared_ptr<const diaphane::v1::Scene> led_;  // the scene that they follow
+  /// The converged picture of this epoch, once there is one.
+  struct Last {
+    FrameInfo info;
+    std::shared_ptr<TileSource> tiles;
+  };
+  std::optional<Last> last_;
   std::shared_ptr<const DeviceVolume> volume_;
   std::vector<diaphane::v1::Preset> presets_;
   std::uint64_t runner_handle_ = 0;

@@ -89,6 +89,11 @@ std::string clean_name(std::string_view typed) {
   return name;
 }
 
+bool has_room(const Receiver& receiver) {
+  return receiver.flight.room() &&
+         receiver.path.bytes_in_flight() < receiver.quality.plan().window_bytes;
+}
+
 bool is_watching(const Receiver& receiver, TimePoint now) {
   if (!receiver.greeted || !receiver.visible || receiver.own_camera) return false;
   return receiver.flight.unacknowledged() == 0 || now - receiver.heard_at < kStalledAfter;

@@ -12,6 +12,7 @@
 #include "api/proto/stream.pb.h"
 #include "common/result.h"
 #include "renderd/session/flight.h"
+#include "renderd/session/quality.h"
 #include "renderd/session/wanted.h"
 
 namespace diaphane::render {
@@ -52,10 +53,15 @@ struct Receiver {
   TimePoint heard_at{};  ///< attached, last acknowledgement, or frame sent with none outstanding
 
   FlightWindow flight;
+  LinkEstimate path;  ///< what its connection carries
+  QualitySteps quality;
+  diaphane::v1::StillFormat stills = diaphane::v1::STILL_FORMAT_UNSPECIFIED;  ///< none: no lossless
+  std::uint32_t tiles_sent = 0;    ///< of the lossless end of `shown`
   std::uint64_t sent_epoch = 0;    ///< of the newest frame sent
   std::optional<FrameInfo> shown;  ///< that frame
   std::uint64_t look_version = 0;  ///< Wanted::version of the newest scene told (Look, Config)
   bool converged_told = false;
+  bool lossless_told = false;
   bool behind = false;      ///< it missed a picture, for want of room or of a key frame
   bool needs_key = true;    ///< of an inter-coded stream: it can decode nothing until a key frame
   bool own_camera = false;  ///< it looks at a session of its own; nothing of this one goes to it
@@ -90,6 +96,9 @@ bool is_inter_coded(diaphane::v1::Codec codec);
 /// A name as others may see it: valid UTF-8 without control, direction and invisible characters,
 /// spaces single, at most kLongestName characters. May be empty.
 std::string clean_name(std::string_view typed);
+
+/// Another picture may leave for it: neither too many nor too many bytes are on their way.
+bool has_room(const Receiver& receiver);
 
 /// Greeted, its page is looked at, and it takes what is sent.
 bool is_watching(const Receiver& receiver, TimePoint now);

@@ -60,7 +60,7 @@ struct AudienceTest : testing::Test {
     last_key = admitted.key;
     std::map<std::uint64_t, std::uint64_t> got;
     if (admitted.admission != Admission::kGo) return got;
-    last = depart(state, codec, info, codec == v1::JPEG || admitted.key, now);
+    last = depart(state, codec, info, {codec == v1::JPEG || admitted.key, 1000}, now);
     for (const Departure& one : last.frames) got[one.connection] = one.seq;
     return got;
   }
@@ -113,7 +113,7 @@ TEST_F(AudienceTest, WhoMissedAPictureGetsOneWhenItHasRoomAndTheOthersNotAgain) 
   // The same picture once more.
   FrameInfo same = *state.audience.find(owner)->shown;
   ASSERT_EQ(admit(state, v1::JPEG, same, now).admission, Admission::kGo);
-  last = depart(state, v1::JPEG, same, true, now);
+  last = depart(state, v1::JPEG, same, {true, 1000}, now);
   ASSERT_EQ(last.frames.size(), 1U);
   EXPECT_EQ(last.frames[0].connection, slow);
 }

@@ -38,6 +38,23 @@ bool take_viewport(SessionState& state, const Receiver& receiver) {
   return true;
 }
 
+// WebP where it can be shown: fewer bytes (docs/figures.md, "Stream").
+v1::StillFormat preferred_still(const v1::Hello& hello) {
+  for (const v1::StillFormat format : {v1::WEBP, v1::PNG}) {
+    const auto& shown = hello.stills();
+    if (std::find(shown.begin(), shown.end(), format) != shown.end()) return format;
+  }
+  return v1::STILL_FORMAT_UNSPECIFIED;
+}
+
+// What the connection carries, and what follows from it; the presenter's decides for the renderer.
+void update_quality(SessionState& state, Receiver& receiver, TimePoint now) {
+  const QualityPlan& plan =
+      receiver.quality.update(receiver.path, state.wanted.viewport, receiver.codec, now);
+  receiver.flight.set_limit(plan.window_frames);
+  if (state.audience.presents(receiver)) state.wanted.moving_scale = plan.moving_scale;
+}
+
 Outcome receive_hello(SessionState& state, Receiver& receiver, const v1::Hello& hello,
                       TimePoint now) {
   if (hello.protocol() != 1) {
@@ -56,6 +73,8 @@ Outcome receive_hello(SessionState& state, Receiver& receiver, const v1::Hello& 
   Outcome outcome;
   receiver.codec = static_cast<v1::Codec>(*chosen);
   receiver.hello = std::make_shared<const v1::Hello>(hello);
+  receiver.stills = preferred_still(hello);
+  receiver.tiles_sent = 0;
   receiver.needs_key = true;
   receiver.behind = true;
   if (hello.has_viewport()) {
@@ -136,6 +155,8 @@ Outcome receive_ack(SessionState& state, Receiver& receiver, const v1::Ack& ack,
   Outcome outcome;
   if (!receiver.flight.acknowledge(ack.seq())) return outcome;
   receiver.heard_at = now;
+  receiver.path.acknowledged(ack.seq(), now);
+  update_quality(state, receiver, now);
   // Without a new picture on its way, what was missed would never come.
   if (receiver.behind) state.wanted.picture_again = true;
   outcome.room = true;
@@ -222,6 +243,22 @@ const Receiver* pacer(const SessionState& state, v1::Codec codec, TimePoint now)
   const bool keeps_up =
       presenter->flight.unacknowledged() == 0 || now - presenter->heard_at < kPaceFor;
   return keeps_up ? presenter : nullptr;
+}
+
+// A frame for many is as large as the connection of him who sets the pace allows, else as the best
+// of theirs does: the others skip what they have no room for.
+Admitted allowance(SessionState& state, const Coding& coding, const Receiver* pace, bool key,
+                   TimePoint now) {
+  Admitted admitted{Admission::kGo, key};
+  for (const std::uint64_t connection : coding.takers) {
+    Receiver& taker = *state.audience.find(connection);
+    update_quality(state, taker, now);
+    if (pace && pace != &taker) continue;
+    const QualityPlan& plan = taker.quality.plan();
+    admitted.moving_bytes = std::max(admitted.moving_bytes, plan.moving_bytes);
+    admitted.settled_bytes = std::max(admitted.settled_bytes, plan.settled_bytes);
+  }
+  return admitted;
 }
 
 void miss(Receiver& receiver) {
@@ -382,7 +419,7 @@ Admitted admit(SessionState& state, v1::Codec codec, const FrameInfo& frame, Tim
   }
   if (wanting.empty()) return {};
 
-  const auto with_room = [](const Receiver* one) { return one->flight.room(); };
+  const auto with_room = [](const Receiver* one) { return has_room(*one); };
   const Receiver* pace = pacer(state, codec, now);
   const bool paced = pace && std::find(wanting.begin(), wanting.end(), pace) != wanting.end();
   const bool room =
@@ -412,16 +449,16 @@ Admitted admit(SessionState& state, v1::Codec codec, const FrameInfo& frame, Tim
     one->behind = false;
     coding.takers.push_back(one->connection);
   }
-  return {Admission::kGo, key};
+  return allowance(state, coding, pace, key, now);
 }
 
-Departures depart(SessionState& state, v1::Codec codec, const FrameInfo& frame, bool key,
+Departures depart(SessionState& state, v1::Codec codec, const FrameInfo& frame, CodedSize coded,
                   TimePoint now) {
   Departures departures;
   for (const std::uint64_t connection : std::exchange(state.audience.codings[codec].takers, {})) {
     Receiver* const receiver = state.audience.find(connection);
     if (!receiver) continue;
-    const bool decodes = key || !receiver->needs_key;
+    const bool decodes = coded.key || !receiver->needs_key;
     if (receiver->own_camera || !decodes || !useful(state, *receiver, frame)) {
       receiver->flight.release();
       // A newer epoch has begun, so a newer picture comes; but it builds on this one.
@@ -432,6 +469,8 @@ Departures depart(SessionState& state, v1::Codec codec, const FrameInfo& frame, 
     departure.connection = connection;
     if (receiver->flight.unacknowledged() == 0) receiver->heard_at = now;
     departure.seq = receiver->flight.depart();
+    receiver->path.sent(departure.seq, coded.bytes, now);
+    receiver->tiles_sent = 0;  // the frame lies over them
     receiver->sent_epoch = frame.epoch;
     receiver->shown = frame;
     receiver->needs_key = false;
@@ -439,7 +478,8 @@ Departures depart(SessionState& state, v1::Codec codec, const FrameInfo& frame, 
       receiver->look_version = state.shown.version;
       departure.look = true;
     }
-    if (frame.converged != receiver->converged_told) {
+    if (frame.converged != receiver->converged_told || receiver->lossless_told) {
+      receiver->lossless_told = false;
       departure.state.emplace();
       departure.state->set_epoch(frame.epoch);
       departure.state->set_converged(frame.converged);
@@ -464,11 +504,45 @@ void release(SessionState& state, v1::Codec codec) {
   }
 }
 
+std::vector<TileDue> tiles_due(const SessionState& state, const FrameInfo& last,
+                               std::uint32_t tiles, TimePoint now) {
+  std::vector<TileDue> due;
+  if (state.epoch != last.epoch) return due;
+  for (const Receiver& one : state.audience.receivers) {
+    if (one.stills == v1::STILL_FORMAT_UNSPECIFIED || !one.shown || one.behind) continue;
+    const bool has_frame = one.shown->converged && one.shown->epoch == last.epoch &&
+                           one.shown->samples == last.samples;
+    if (!has_frame || one.tiles_sent >= tiles || !is_watching(one, now) || !has_room(one)) continue;
+    due.push_back({one.connection, one.tiles_sent, one.stills});
+  }
+  return due;
+}
+
+Departure depart_tile(SessionState& state, const TileDue& due, std::uint32_t tiles,
+                      std::size_t bytes, TimePoint now) {
+  Departure departure;
+  departure.connection = due.connection;
+  Receiver& receiver = *state.audience.find(due.connection);
+  if (receiver.flight.unacknowledged() == 0) receiver.heard_at = now;
+  receiver.flight.reserve();
+  departure.seq = receiver.flight.depart();
+  receiver.path.sent(departure.seq, bytes, now);
+  receiver.tiles_sent = due.tile + 1;
+  if (receiver.tiles_sent == tiles) {
+    departure.state.emplace();
+    departure.state->set_epoch(receiver.shown->epoch);
+    departure.state->set_converged(true);
+    departure.state->set_lossless(true);
+    receiver.lossless_told = true;
+  }
+  return departure;
+}
+
 bool has_room(const SessionState& state, v1::Codec codec, TimePoint now) {
-  if (const Receiver* pace = pacer(state, codec, now)) return pace->flight.room();
+  if (const Receiver* pace = pacer(state, codec, now)) return has_room(*pace);
   const auto& receivers = state.audience.receivers;
   return std::any_of(receivers.begin(), receivers.end(), [&](const Receiver& one) {
-    return one.codec == codec && is_watching(one, now) && one.flight.room();
+    return one.codec == codec && is_watching(one, now) && has_room(one);
   });
 }
 

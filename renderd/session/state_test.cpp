@@ -26,7 +26,7 @@ struct StateTest : testing::Test {
   }
   // What leaves to the one who is here, if it does.
   std::optional<Departure> depart(const FrameInfo& info) {
-    departures = render::depart(state, v1::JPEG, info, true, now);
+    departures = render::depart(state, v1::JPEG, info, {true, 1000}, now);
     if (departures.frames.empty()) return std::nullopt;
     return departures.frames.front();
   }

@@ -17,8 +17,9 @@ struct Wanted {
   std::chrono::steady_clock::time_point last_input{};
   bool rest = false;  ///< that input said that it is the last of its gesture
   bool visible = true;
-  bool room = true;            ///< its slot before the encoder is free and the viewer keeps up
-  bool raw = false;            ///< no denoiser
+  bool room = true;         ///< its slot before the encoder is free and the viewer keeps up
+  bool raw = false;         ///< no denoiser
+  double moving_scale = 1;  ///< of the viewport's sides, while moving, at most: for the connection
   bool picture_again = false;  ///< a picture is due although nothing changed
 };
 

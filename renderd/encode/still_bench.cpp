@@ -1,0 +1,177 @@
+// diaphane-still-bench FIRST.ppm ... LAST.ppm: pictures of one scene as it converges. What the last
+// costs without loss, by each codec in tiles and by the thesis's way (8.1): differences to what the
+// viewer has as JPEG, then the residual as PNG. One JSON line a row.
+#include <turbojpeg.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <numeric>
+#include <vector>
+
+#include "renderd/encode/h264_encoder.h"
+#include "renderd/encode/tile_codecs.h"
+#include "renderd/encode/tiles.h"
+
+namespace {
+
+using namespace diaphane::render;
+namespace v1 = diaphane::v1;
+
+constexpr int kRepeats = 5;
+
+PictureRgb8 read_ppm(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string magic;
+  int most = 0;
+  PictureRgb8 picture;
+  in >> magic >> picture.size.width >> picture.size.height >> most;
+  in.get();
+  picture.pixels.resize(std::size_t{3} * picture.size.width * picture.size.height);
+  in.read(reinterpret_cast<char*>(picture.pixels.data()),
+          static_cast<std::streamsize>(picture.pixels.size()));
+  if (!in || magic != "P6" || most != 255) {
+    std::cerr << path << " is no 8-bit PPM\n";
+    std::exit(65);
+  }
+  return picture;
+}
+
+/// Runs it some times; bytes of the last, and the median of the milliseconds.
+void row(const std::string& name, const std::function<std::size_t()>& code) {
+  std::vector<double> milliseconds;
+  std::size_t bytes = 0;
+  for (int i = 0; i < kRepeats; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    bytes = code();
+    milliseconds.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+            .count());
+  }
+  std::sort(milliseconds.begin(), milliseconds.end());
+  const double mean = std::accumulate(milliseconds.begin(), milliseconds.end(), 0.0) / kRepeats;
+  double squares = 0;
+  for (const double one : milliseconds) squares += (one - mean) * (one - mean);
+  std::printf("{\"name\": \"%s\", \"bytes\": %zu, \"ms\": %.3f, \"spread_ms\": %.3f}\n",
+              name.c_str(), bytes, milliseconds[kRepeats / 2], std::sqrt(squares / (kRepeats - 1)));
+  std::fflush(stdout);
+}
+
+using Coder = diaphane::Result<std::string> (*)(const std::string&, Canvas, int);
+
+std::size_t code_tiles(const PictureRgb8& picture, Coder coder, int level) {
+  std::size_t bytes = 0;
+  for (const Tile& tile : plan_tiles(picture.size)) {
+    std::string pixels;
+    for (std::uint32_t y = tile.y; y < tile.y + tile.height; ++y) {
+      const auto* from =
+          picture.pixels.data() + std::size_t{3} * (std::size_t{y} * picture.size.width + tile.x);
+      pixels.append(reinterpret_cast<const char*>(from), std::size_t{3} * tile.width);
+    }
+    bytes += coder(pixels, {tile.width, tile.height}, level)->size();
+  }
+  return bytes;
+}
+
+struct Jpeg {
+  std::size_t bytes = 0;
+  PictureRgb8 shown;
+};
+
+Jpeg through_jpeg(const PictureRgb8& picture, int quality) {
+  Jpeg out;
+  out.shown = picture;
+  const int width = static_cast<int>(picture.size.width);
+  const int height = static_cast<int>(picture.size.height);
+  unsigned char* data = nullptr;
+  unsigned long bytes = 0;
+  const tjhandle coder = tjInitCompress();
+  tjCompress2(coder, picture.pixels.data(), width, 0, height, TJPF_RGB, &data, &bytes, TJSAMP_444,
+              quality, TJFLAG_ACCURATEDCT);
+  const tjhandle decoder = tjInitDecompress();
+  tjDecompress2(decoder, data, bytes, out.shown.pixels.data(), width, 0, height, TJPF_RGB,
+                TJFLAG_ACCURATEDCT);
+  tjFree(data);
+  tjDestroy(coder);
+  tjDestroy(decoder);
+  out.bytes = bytes;
+  return out;
+}
+
+/// a - b + offset of each byte; cut to 0 .. 255 or modulo 256.
+PictureRgb8 difference(const PictureRgb8& a, const PictureRgb8& b, int offset, bool cut) {
+  PictureRgb8 out = a;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    const int value = int(a.pixels[i]) - int(b.pixels[i]) + offset;
+    out.pixels[i] = static_cast<std::uint8_t>(cut ? std::clamp(value, 0, 255) : value);
+  }
+  return out;
+}
+
+/// Each picture as its difference to what the viewer has: the bytes, and what he has at the end.
+Jpeg difference_chain(const std::vector<PictureRgb8>& pictures, int quality) {
+  Jpeg viewer = through_jpeg(pictures.front(), quality);
+  for (std::size_t i = 1; i < pictures.size(); ++i) {
+    const Jpeg next = through_jpeg(difference(pictures[i], viewer.shown, 128, true), quality);
+    viewer.bytes += next.bytes;
+    for (std::size_t j = 0; j < next.shown.pixels.size(); ++j) {
+      const int value = int(viewer.shown.pixels[j]) + int(next.shown.pixels[j]) - 128;
+      viewer.shown.pixels[j] = static_cast<std::uint8_t>(std::clamp(value, 0, 255));
+    }
+  }
+  return viewer;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::cerr << "diaphane-still-bench FIRST.ppm ... LAST.ppm\n";
+    return 64;
+  }
+  std::vector<PictureRgb8> pictures;
+  for (int i = 1; i < argc; ++i) pictures.push_back(read_ppm(argv[i]));
+  const PictureRgb8& last = pictures.back();
+
+  row("copy", [&] { return PictureRgb8(last).pixels.size(); });
+  for (const int level : {1, 3, 6}) {
+    row("png-" + std::to_string(level), [&] { return code_tiles(last, encode_png, level); });
+  }
+  for (const int level : {0, 1, 2, 3}) {
+    row("webp-" + std::to_string(level), [&] { return code_tiles(last, encode_webp, level); });
+  }
+  for (const int quality : {50, 80, 95}) {
+    const std::string q = std::to_string(quality);
+    row("frames-jpeg-" + q, [&] {
+      std::size_t bytes = 0;
+      for (const PictureRgb8& picture : pictures) bytes += through_jpeg(picture, quality).bytes;
+      return bytes;
+    });
+    row("differences-jpeg-" + q, [&] { return difference_chain(pictures, quality).bytes; });
+    // What is left of the last picture after its own JPEG frame, and after the chain.
+    const PictureRgb8 after_frame = difference(last, through_jpeg(last, quality).shown, 128, false);
+    const PictureRgb8 after_chain =
+        difference(last, difference_chain(pictures, quality).shown, 128, false);
+    row("residual-png-after-frame-" + q, [&] { return code_tiles(after_frame, encode_png, 3); });
+    row("residual-png-after-chain-" + q, [&] { return code_tiles(after_chain, encode_png, 3); });
+    row("residual-webp-after-chain-" + q, [&] { return code_tiles(after_chain, encode_webp, 1); });
+  }
+  for (const v1::Codec codec : {v1::H264, v1::JPEG, v1::MPEG1}) {
+    for (const Quality quality : {Quality::kMoving, Quality::kSettled}) {
+      auto encoder = make_encoder(codec);
+      for (const bool keys : {true, false}) {
+        row(v1::Codec_Name(codec) + (quality == Quality::kMoving ? "-moving" : "-settled") +
+                (keys ? "-key" : "-next"),
+            [&] {
+              return (*encoder)->encode(last, {quality, keys, 0})->data.size();
+            });
+      }
+    }
+  }
+  return 0;
+}

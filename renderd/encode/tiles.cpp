@@ -1,0 +1,126 @@
+#include "renderd/encode/tiles.h"
+
+#include <png.h>
+#include <sodium.h>
+#include <webp/encode.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include "renderd/encode/tile_codecs.h"
+
+namespace diaphane::render {
+namespace {
+
+// The pixels of a tile without those beside it, as they are hashed.
+std::string cut(const PictureRgb8& picture, const Tile& tile) {
+  std::string pixels;
+  pixels.reserve(std::size_t{3} * tile.width * tile.height);
+  for (std::uint32_t y = tile.y; y < tile.y + tile.height; ++y) {
+    const auto* row =
+        picture.pixels.data() + std::size_t{3} * (std::size_t{y} * picture.size.width + tile.x);
+    pixels.append(reinterpret_cast<const char*>(row), std::size_t{3} * tile.width);
+  }
+  return pixels;
+}
+
+std::string sha256(const std::string& bytes) {
+  std::array<unsigned char, crypto_hash_sha256_BYTES> hash{};
+  crypto_hash_sha256(hash.data(), reinterpret_cast<const unsigned char*>(bytes.data()),
+                     bytes.size());
+  return {reinterpret_cast<const char*>(hash.data()), hash.size()};
+}
+
+struct FreePng {
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  ~FreePng() { png_destroy_write_struct(&png, &info); }
+};
+
+}  // namespace
+
+std::vector<Tile> plan_tiles(Canvas size) {
+  std::vector<Tile> tiles;
+  for (std::uint32_t y = 0; y < size.height; y += kTileSide) {
+    for (std::uint32_t x = 0; x < size.width; x += kTileSide) {
+      tiles.push_back(
+          {x, y, std::min(kTileSide, size.width - x), std::min(kTileSide, size.height - y)});
+    }
+  }
+  return tiles;
+}
+
+Result<std::string> encode_png(const std::string& rgb, Canvas size, int level) {
+  std::string file;
+  FreePng made;
+  made.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  if (made.png) made.info = png_create_info_struct(made.png);
+  if (!made.info) return fail(ErrorCode::kOutOfMemory, "No memory to code a picture.");
+  // libpng leaves by longjmp: nothing with a destructor is made below.
+  if (setjmp(png_jmpbuf(made.png)) != 0) {
+    return fail(ErrorCode::kInternal, "A picture could not be coded as PNG.");
+  }
+  png_set_write_fn(
+      made.png, &file,
+      [](png_structp png, png_bytep data, png_size_t bytes) {
+        static_cast<std::string*>(png_get_io_ptr(png))
+            ->append(reinterpret_cast<const char*>(data), bytes);
+      },
+      nullptr);
+  png_set_IHDR(made.png, made.info, size.width, size.height, 8, PNG_COLOR_TYPE_RGB,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_compression_level(made.png, level);
+  png_set_filter(made.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_PAETH);
+  png_write_info(made.png, made.info);
+  const auto* row = reinterpret_cast<png_const_bytep>(rgb.data());
+  for (std::uint32_t y = 0; y < size.height; ++y, row += std::size_t{3} * size.width) {
+    png_write_row(made.png, row);
+  }
+  png_write_end(made.png, made.info);
+  return file;
+}
+
+Result<std::string> encode_webp(const std::string& rgb, Canvas size, int level) {
+  WebPConfig config;
+  WebPPicture picture;
+  if (!WebPConfigInit(&config) || !WebPConfigLosslessPreset(&config, level) ||
+      !WebPPictureInit(&picture)) {
+    return fail(ErrorCode::kInternal, "WebP is of another version than was compiled against.");
+  }
+  const std::unique_ptr<WebPPicture, void (*)(WebPPicture*)> free_picture(&picture,
+                                                                          WebPPictureFree);
+  WebPMemoryWriter written;
+  WebPMemoryWriterInit(&written);
+  const std::unique_ptr<WebPMemoryWriter, void (*)(WebPMemoryWriter*)> free_written(
+      &written, WebPMemoryWriterClear);
+  picture.use_argb = 1;
+  picture.width = static_cast<int>(size.width);
+  picture.height = static_cast<int>(size.height);
+  picture.writer = WebPMemoryWrite;
+  picture.custom_ptr = &written;
+  const auto* pixels = reinterpret_cast<const std::uint8_t*>(rgb.data());
+  if (!WebPPictureImportRGB(&picture, pixels, static_cast<int>(3 * size.width)) ||
+      !WebPEncode(&config, &picture)) {
+    return fail(ErrorCode::kInternal, "A picture could not be coded as WebP.");
+  }
+  return std::string(reinterpret_cast<const char*>(written.mem), written.size);
+}
+
+Result<CodedTile> encode_tile(const PictureRgb8& picture, const Tile& tile,
+                              v1::StillFormat format) {
+  if (const auto sound = check_picture(picture); !sound) return tl::unexpected(sound.error());
+  const Canvas size{tile.width, tile.height};
+  if (size.width == 0 || size.height == 0 || tile.x + size.width > picture.size.width ||
+      tile.y + size.height > picture.size.height) {
+    return fail(ErrorCode::kInternal, "A tile is not within its picture.");
+  }
+  const std::string pixels = cut(picture, tile);
+  auto data = format == v1::WEBP  ? encode_webp(pixels, size, kWebpLevel)
+              : format == v1::PNG ? encode_png(pixels, size, kPngLevel)
+                                  : fail(ErrorCode::kUnsupported, "No such lossless format.");
+  if (!data) return tl::unexpected(data.error());
+  return CodedTile{format, std::move(*data), sha256(pixels)};
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,159 @@
+// The stream of a live session, encoders and all, as a viewer gets it.
+#include <gtest/gtest.h>
+#include <sodium.h>
+
+#include "renderd/serve/session_host.h"
+#include "renderd/serve/test_worker.h"
+
+namespace diaphane::render {
+namespace {
+
+using Kind = v1::ServerMessage;
+
+struct Link final : ClientLink {
+  Inbox inbox;
+  void send(std::string message) override { inbox.put(message); }
+  void finish(const Error& why) override { inbox.end(why); }
+};
+
+struct LiveStream : testing::Test {
+  LiveStream() {
+    device->seconds_per_megapixel = 0.01;
+    options.volume_dir = store.path;
+    options.runner.rules.target_error = 0.05;  // the fake's error there: 100 samples
+    worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
+                                            clock);
+  }
+  void greet(v1::Codec codec, std::uint32_t side, v1::StillFormat stills) {
+    v1::Open open;
+    open.set_session_id(new_id());
+    open.set_volume_id(store.add_ball());
+    open.set_placement(1);
+    attachment = *worker->host().open(open, link);
+    v1::ClientMessage hello = hello_message(side);
+    hello.mutable_hello()->clear_codecs();
+    hello.mutable_hello()->add_codecs(codec);
+    hello.mutable_hello()->add_codecs(v1::JPEG);
+    if (stills != v1::STILL_FORMAT_UNSPECIFIED) hello.mutable_hello()->add_stills(stills);
+    say(hello);
+    config = link->inbox.next_of(Kind::kConfig)->config();
+  }
+  void say(const v1::ClientMessage& message) { attachment->receive(message.SerializeAsString()); }
+  /// The next message of what a page acts on; pictures are acknowledged.
+  std::optional<v1::ServerMessage> next() {
+    auto message = link->inbox.next([](const auto&) { return true; });
+    if (message && message->has_frame()) say(ack_message(message->frame().seq()));
+    if (message && message->has_still()) say(ack_message(message->still().seq()));
+    return message;
+  }
+  /// All up to and with the one that passes.
+  std::vector<v1::ServerMessage> until(const std::function<bool(const v1::ServerMessage&)>& test) {
+    std::vector<v1::ServerMessage> all;
+    for (auto message = next(); message; message = next()) {
+      all.push_back(*message);
+      if (test(all.back())) return all;
+    }
+    ADD_FAILURE() << "it never came";
+    return all;
+  }
+
+  TestStore store;
+  std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
+  prometheus::Registry registry;
+  Metrics metrics{registry};
+  SystemClock clock;
+  RenderWorker::Options options;
+  std::unique_ptr<RenderWorker> worker;
+  std::shared_ptr<Link> link = std::make_shared<Link>();
+  std::optional<Attachment> attachment;
+  v1::Config config;
+};
+
+bool is_lossless(const v1::ServerMessage& message) {
+  return message.has_state() && message.state().lossless();
+}
+
+TEST_F(LiveStream, TheFirstCodecOfTheViewersListIsTakenAndBeginsWithAKeyFrame) {
+  greet(v1::H264, 64, v1::STILL_FORMAT_UNSPECIFIED);
+  EXPECT_EQ(config.codec(), v1::H264);
+  const auto all =
+      until([](const auto& message) { return message.has_state() && message.state().converged(); });
+  bool first = true;
+  for (const v1::ServerMessage& message : all) {
+    if (!message.has_frame()) continue;
+    const v1::Frame& frame = message.frame();
+    EXPECT_EQ(frame.codec(), v1::H264);
+    if (first) EXPECT_TRUE(frame.key());
+    EXPECT_EQ(frame.key(), !frame.decoder().empty());
+    EXPECT_NE(frame.quality(), v1::FRAME_QUALITY_UNSPECIFIED);
+    first = false;
+  }
+  EXPECT_FALSE(first);
+  EXPECT_FALSE(link->inbox.count(Kind::kStill)) << "it shows none";
+}
+
+TEST_F(LiveStream, AKeyFrameComesWhenItIsAskedFor) {
+  greet(v1::MPEG1, 64, v1::STILL_FORMAT_UNSPECIFIED);
+  until([](const auto& message) { return message.has_state(); });
+  std::this_thread::sleep_for(kKeyEvery);
+  v1::ClientMessage need;
+  need.mutable_need_key();
+  say(need);
+  until([](const auto& message) { return message.has_frame() && message.frame().key(); });
+}
+
+TEST_F(LiveStream, ConvergenceEndsInTilesThatCoverThePictureAndTheMark) {
+  greet(v1::JPEG, 600, v1::WEBP);
+  const auto all = until(is_lossless);
+  std::uint64_t seq = 0;
+  std::uint32_t tile = 0;
+  std::uint64_t pixels = 0;
+  std::uint64_t epoch = 0;
+  for (const v1::ServerMessage& message : all) {
+    if (message.has_frame()) {
+      EXPECT_EQ(message.frame().seq(), ++seq);
+      EXPECT_EQ(tile, 0U) << "tiles come after the last frame";
+      epoch = message.frame().epoch();
+    }
+    if (!message.has_still()) continue;
+    const v1::Still& still = message.still();
+    EXPECT_EQ(still.seq(), ++seq);
+    EXPECT_EQ(still.epoch(), epoch);
+    EXPECT_EQ(still.tile(), tile++);
+    EXPECT_EQ(still.tiles(), 9U);
+    EXPECT_EQ(still.format(), v1::WEBP);
+    EXPECT_EQ(still.hash().size(), crypto_hash_sha256_BYTES);
+    EXPECT_GT(still.iteration(), 0U);
+    pixels += std::uint64_t{still.width()} * still.height();
+  }
+  EXPECT_EQ(tile, 9U);
+  EXPECT_EQ(pixels, 600U * 600U);
+  EXPECT_EQ(all.back().state().epoch(), epoch);
+}
+
+TEST_F(LiveStream, NewInputEndsTheTilesAndItsOwnEndFollows) {
+  greet(v1::H264, 600, v1::PNG);
+  until([](const auto& message) { return message.has_still(); });
+  say(scene_message(1, turned(config.scene(), 40)));
+  bool moved = false;
+  const auto all = until([&](const auto& message) {
+    moved = moved || (message.has_frame() && message.frame().input_seq() == 1);
+    return moved && is_lossless(message);
+  });
+  std::uint64_t epoch = 0;
+  std::uint32_t tiles = 0;
+  for (const v1::ServerMessage& message : all) {
+    if (message.has_frame()) {
+      EXPECT_GE(message.frame().epoch(), epoch);
+      epoch = message.frame().epoch();
+    }
+    if (message.has_still()) {
+      EXPECT_EQ(message.still().epoch() < epoch, false) << "a tile of the past";
+      tiles += message.still().epoch() == all.back().state().epoch();
+    }
+  }
+  EXPECT_EQ(tiles, 9U);
+}
+
+}  // namespace
+}  // namespace diaphane::render

@@ -1,0 +1,200 @@
+// What leaves for a viewer after the frames: the lossless end; and what his connection changes.
+#include <gtest/gtest.h>
+
+#include "renderd/session/test_messages.h"
+
+namespace diaphane::render {
+namespace {
+
+using std::chrono::milliseconds;
+
+struct StreamTest : testing::Test {
+  StreamTest() {
+    state.codecs = {v1::H264, v1::JPEG};
+    state.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
+    state.wanted.viewport = {1280, 720};
+    state.wanted.version = 1;
+    owner = join(std::string(kOwner), {v1::WEBP, v1::PNG});
+    began(state, 1, state.wanted);
+  }
+  std::uint64_t join(const std::string& participant, const std::vector<v1::StillFormat>& stills,
+                     v1::Codec codec = v1::JPEG) {
+    const auto attached = attach(state, {participant, "", ""}, now);
+    v1::ClientMessage message = hello(1280, 720);
+    message.mutable_hello()->clear_codecs();
+    message.mutable_hello()->add_codecs(codec);
+    for (const v1::StillFormat format : stills) message.mutable_hello()->add_stills(format);
+    EXPECT_TRUE(receive(state, attached->connection, message, now).configure);
+    return attached->connection;
+  }
+  /// Coded and sent to all who take it.
+  Admitted send(const FrameInfo& info, std::size_t bytes = 10000, v1::Codec codec = v1::JPEG) {
+    const Admitted admitted = admit(state, codec, info, now);
+    if (admitted.admission == Admission::kGo) {
+      for (const Departure& one :
+           depart(state, codec, info, {admitted.key || codec == v1::JPEG, bytes}, now).frames) {
+        newest[one.connection] = one.seq;
+        told = one.state;
+      }
+    }
+    return admitted;
+  }
+  void hear(std::uint64_t connection) { receive(state, connection, ack(newest[connection]), now); }
+  std::vector<TileDue> due() { return tiles_due(state, last, kTiles, now); }
+  std::optional<v1::State> send_tile(const TileDue& tile, std::size_t bytes = 30000) {
+    const Departure departure = depart_tile(state, tile, kTiles, bytes, now);
+    newest[tile.connection] = departure.seq;
+    return departure.state;
+  }
+  /// The connection takes `seconds` for each of 40 frames of `bytes`.
+  void learn(std::uint64_t connection, double seconds, std::size_t bytes) {
+    Receiver& receiver = *state.audience.find(connection);
+    for (int i = 0; i < 40; ++i) {
+      const FrameInfo info = frame(1, false);
+      if (send(info, bytes).admission != Admission::kGo) ADD_FAILURE();
+      now += std::chrono::microseconds(static_cast<int>(seconds * 1e6));
+      for (Receiver& one : state.audience.receivers) hear(one.connection);
+    }
+    EXPECT_TRUE(receiver.path.known());
+  }
+
+  static constexpr std::uint32_t kTiles = 15;
+  SessionState state;
+  TimePoint now = TimePoint{} + std::chrono::hours(1);
+  std::uint64_t owner = 0;
+  std::map<std::uint64_t, std::uint64_t> newest;
+  std::optional<v1::State> told;
+  FrameInfo last = [] {
+    FrameInfo info = frame(1, false);
+    info.converged = true;
+    return info;
+  }();
+};
+
+TEST_F(StreamTest, AllTilesFollowTheConvergedFrameInOrderThenTheMark) {
+  send(frame(1));
+  hear(owner);
+  EXPECT_TRUE(due().empty()) << "the converged frame comes first";
+  send(last);
+  EXPECT_TRUE(told && told->converged() && !told->lossless());
+  std::optional<v1::State> mark;
+  for (std::uint32_t tile = 0; tile < kTiles; ++tile) {
+    EXPECT_FALSE(mark);
+    const auto next = due();
+    ASSERT_EQ(next.size(), 1U) << tile;
+    EXPECT_EQ(next[0].tile, tile);
+    EXPECT_EQ(next[0].format, v1::WEBP);
+    const std::uint64_t before = newest[owner];
+    mark = send_tile(next[0]);
+    EXPECT_EQ(newest[owner], before + 1) << "counted with the frames";
+    hear(owner);
+  }
+  ASSERT_TRUE(mark);
+  EXPECT_TRUE(mark->lossless());
+  EXPECT_EQ(mark->epoch(), 1U);
+  EXPECT_TRUE(due().empty());
+}
+
+TEST_F(StreamTest, TilesWaitForRoomAsFramesDo) {
+  send(last);
+  send_tile(due().at(0));
+  EXPECT_TRUE(due().empty()) << "a frame and a tile are on their way";
+  hear(owner);
+  EXPECT_EQ(due().size(), 1U);
+}
+
+TEST_F(StreamTest, ANewEpochDropsWhatIsLeftAndItsFrameGoesAtOnce) {
+  send(last);
+  hear(owner);
+  send_tile(due().at(0));
+  began(state, 2, state.wanted);
+  EXPECT_TRUE(due().empty());
+  EXPECT_EQ(send(frame(2)).admission, Admission::kGo);
+  EXPECT_TRUE(told && !told->converged()) << "the mark is taken back";
+}
+
+TEST_F(StreamTest, AFrameThatIsSentAgainIsFollowedByAllTilesAndTheMarkAgain) {
+  send(last);
+  hear(owner);
+  for (std::uint32_t tile = 0; tile < kTiles; ++tile) {
+    send_tile(due().at(0));
+    hear(owner);
+  }
+  last.input_seq = 7;  // an input that changed nothing
+  send(last);
+  EXPECT_TRUE(told && told->converged() && !told->lossless());
+  ASSERT_EQ(due().size(), 1U);
+  EXPECT_EQ(due()[0].tile, 0U);
+}
+
+TEST_F(StreamTest, EachViewerGetsTilesAtItsOwnPaceAndWhoCannotShowThemNone) {
+  const std::uint64_t other = join("guest-a", {v1::PNG});
+  join("guest-b", {});
+  send(last);
+  hear(owner);
+  const auto both = due();
+  ASSERT_EQ(both.size(), 2U);
+  EXPECT_EQ(both[1].format, v1::PNG);
+  send_tile(both[0]);
+  send_tile(both[1]);
+  hear(owner);
+  const auto next = due();  // the other has a frame and a tile on their way
+  ASSERT_EQ(next.size(), 1U);
+  EXPECT_EQ(next[0].connection, owner);
+  EXPECT_EQ(next[0].tile, 1U);
+  hear(other);
+  EXPECT_EQ(due().size(), 2U);
+}
+
+TEST_F(StreamTest, ASlowConnectionOfThePresenterMakesMovingPicturesSmallerNobodyElses) {
+  const std::uint64_t other = join("guest-a", {});
+  learn(owner, 0.01, 100000);
+  EXPECT_EQ(state.wanted.moving_scale, 1);
+  // The follower alone answers late.
+  for (int i = 0; i < 40; ++i) {
+    send(frame(1, false), 100000);
+    now += milliseconds(10);
+    hear(owner);
+    if (i % 20 == 19) hear(other);
+  }
+  EXPECT_EQ(state.wanted.moving_scale, 1);
+  learn(owner, 0.5, 60000);
+  EXPECT_LT(state.wanted.moving_scale, 1);
+}
+
+TEST_F(StreamTest, AFrameForManyIsAsLargeAsThePresentersConnectionAllows) {
+  const std::uint64_t other = join("guest-a", {});
+  EXPECT_EQ(send(frame(1)).moving_bytes, 0U) << "nothing is known";
+  hear(owner);
+  hear(other);
+  learn(owner, 0.01, 100000);
+  const Admitted fast = send(frame(1, false));
+  EXPECT_GT(fast.moving_bytes, 50000U);
+  EXPECT_GT(fast.settled_bytes, fast.moving_bytes);
+}
+
+// 25 frames of 10 KB a second do not fill a connection that answers after 100 ms two at a time.
+TEST_F(StreamTest, ALongRoundTripHoldsMoreThanTwoFramesAndABoundedNumberOfBytes) {
+  Receiver& receiver = *state.audience.find(owner);
+  std::vector<std::pair<TimePoint, std::uint64_t>> coming;
+  std::uint64_t most_frames = 0;
+  std::size_t most_bytes = 0;
+  for (int i = 0; i < 5000; ++i, now += milliseconds(1)) {
+    while (!coming.empty() && coming.front().first <= now) {
+      receive(state, owner, ack(coming.front().second), now);
+      coming.erase(coming.begin());
+    }
+    // 8 Mbit/s: 10 ms for each frame behind the one before.
+    if (i % 16 == 0 && send(frame(1, false), 10000).admission == Admission::kGo) {
+      const TimePoint after = coming.empty() ? now : coming.back().first - milliseconds(100);
+      coming.emplace_back(std::max(after, now) + milliseconds(110), newest[owner]);
+    }
+    most_frames = std::max(most_frames, receiver.flight.unacknowledged());
+    most_bytes = std::max(most_bytes, receiver.path.bytes_in_flight());
+  }
+  EXPECT_GT(most_frames, 2U);
+  EXPECT_LT(most_bytes, 250000U) << "a quarter of a second";
+}
+
+}  // namespace
+}  // namespace diaphane::render
