@@ -89,7 +89,7 @@ TEST(MovingCanvas, ASizeOnTheScreenIsKeptWhileTheCostIsNearABorder) {
   }
 }
 
-TEST(PlanCanvas, ASlowConnectionBoundsTheMovingSizeAndNoOther) {
+TEST(MovingCanvas, ASlowConnectionBoundsTheMovingSizeAndNoOther) {
   CanvasQuestion question{.viewport = {1280, 720}, .seconds_per_pixel = 1e-9, .moving = true};
   EXPECT_EQ(plan_canvas(question), question.viewport);
   question.largest_moving = 0.5;

@@ -1,0 +1,55 @@
+"""What a finished picture costs without loss, and a frame with: `diaphane-still-bench` on pictures of the cranium as it converges."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import tempfile
+from pathlib import Path
+
+from .. import paths
+from ..bench import Result
+from ..bench_volumes import cranium, volume_for
+from ..says import HouseError
+
+ABOUT = "lossless tiles (PNG, WebP, the thesis's differences) and frames: bytes and milliseconds on real pictures"
+PROGRAMS = ("diaphane-render", "diaphane-still-bench")
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--size", help="of the pictures (default 1280x720)")
+    parser.add_argument("--preset", default="bone", help="skin, muscle, vessels or bone")
+    parser.add_argument("--samples", help="of the pictures, with commas, the last the finished one (default 1,4,16,64)")
+    parser.add_argument("--pictures", nargs="+", type=Path, metavar="PPM", help="these instead of rendering some")
+
+
+def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
+    with tempfile.TemporaryDirectory() as folder:
+        pictures = options.pictures or _render(Path(folder), quick, options)
+        said = _run("diaphane-still-bench", *map(str, pictures))
+    results = []
+    for line in said.splitlines():
+        row = json.loads(line)
+        results.append(Result(f"{row['name']}: bytes", row["bytes"], ""))
+        results.append(Result(f"{row['name']}: time", row["ms"], "ms", row["spread_ms"]))
+    return results
+
+
+def _render(folder: Path, quick: bool, options: argparse.Namespace) -> list[Path]:
+    scan = cranium() or volume_for(Path())
+    if not Path(scan).exists():
+        raise HouseError("the cranium (package invesalius-examples) is not there; --pictures takes others")
+    pictures = []
+    for samples in (options.samples or ("1,4" if quick else "1,4,16,64")).split(","):
+        pictures.append(folder / f"{samples}.ppm")
+        _run("diaphane-render", scan, "--preset", options.preset, "--estimator", "exact", "--quiet", "--samples", samples,
+             "--size", options.size or ("320x180" if quick else "1280x720"), "--out", str(pictures[-1]))
+    return pictures
+
+
+def _run(program: str, *arguments: str) -> str:
+    done = subprocess.run([str(paths.build_dir() / "bin" / program), *arguments], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise HouseError(f"{program} ended with {done.returncode}: {done.stderr.strip()}")
+    return done.stdout
