@@ -6,13 +6,15 @@ import os
 import secrets
 import signal
 import subprocess
+import threading
 import time
 from pathlib import Path
 
 import pytest
 from api_client import client, person, problem
+from google.protobuf import json_format
 from harness import REPO
-from house import ports
+from house import ports, replay
 from stream_help import ClientMessage, Viewer, new_ticket, open_session, store_ball
 
 PROGRAMS = ("postgres", "redis", "api", "renderd", "edge")
@@ -165,6 +167,40 @@ def test_a_camera_of_ones_own_follows_the_settings_alone(running, one, session):
     assert follower.frame().seq == 1
     owner.leave()
     follower.leave()
+
+
+def test_a_recording_is_played_in_a_live_session_at_its_own_pace(running, one, session):
+    owner = Viewer(running.url, session[1])
+    scene = json_format.MessageToDict(owner.config.scene)
+    for named in (*scene["transferFunction"]["channels"], *scene["lights"]):
+        named.pop("name", None)  # as a recording is kept
+    camera = {"eye": {"x": 0.0}, **scene["camera"]}
+    camera["eye"] = {"x": 0.0, **camera["eye"]}
+    events = [{"at_ms": 0, "scene": scene}]
+    for step in range(1, 11):
+        events.append({"at_ms": step * 60, "camera": {**camera, "eye": {**camera["eye"], "x": camera["eye"]["x"] + step}}})
+    document = {"format": "diaphane-interaction", "version": 1, "viewport": {"width": 96, "height": 96}, "events": events}
+    answer = one.http.post("/v1/recordings", json=document)
+    problem(answer, 403, "forbidden")
+    assert one.http.post("/v1/recording-consent").status_code == 204
+    kept = one.http.get(one.http.post("/v1/recordings", json=document).headers["location"]).json()
+    assert kept == document
+
+    link = f"{running.url}/join#{link_of(one, session[0])}"
+    played = []
+    player = threading.Thread(target=lambda: played.append(replay.over_link(kept, link, patience_s=20)))
+    player.start()
+    there = owner.until("audience", condition=lambda who: len(who.participants) == 2)
+    replayer = next(p for p in there.participants if p.id != there.you)
+    assert replayer.name == "Replay"
+    begun = time.monotonic()
+    hand_over(owner, replayer.id)
+    last = owner.until("look", condition=lambda look: look.input_seq == len(events))
+    assert time.monotonic() - begun > 0.5, "not at its own pace"
+    assert last.scene.camera.eye.x == pytest.approx(camera["eye"]["x"] + 10)
+    player.join()
+    assert played == [len(events)]
+    owner.leave()
 
 
 class SecondWorker:

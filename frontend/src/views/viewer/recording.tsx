@@ -3,6 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { recording_path, type Api } from "../../api/client";
 import type { Recordings } from "../../api/types";
 import { Recorder, type Recording } from "../../live/recorder";
+import { role_of } from "../../live/role";
 import { t } from "../../texts/en";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
@@ -24,7 +25,8 @@ export function RecordedInteraction({ session }: { readonly session: ViewerSessi
     const recorder = new Recorder();
     const stop = effect(() => {
       const scene = session.scene.value;
-      if (!consent.value) recorder.take(session.viewport); // forgotten
+      const others = !role_of(session.audience.value).presents; // somebody else's hand, who was not asked
+      if (!consent.value || others) recorder.take(session.viewport); // forgotten
       else if (scene) keep(api, recorder.add(scene, performance.now(), session.viewport), false);
     });
     const last = () => keep(api, recorder.take(session.viewport), true);

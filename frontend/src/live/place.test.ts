@@ -1,0 +1,49 @@
+import { create } from "@bufbuild/protobuf";
+import { describe, expect, it } from "vitest";
+import { ApiProblem } from "../api/client";
+import { guest_door } from "../api/session_door";
+import { AudienceSchema } from "../protocol/gen/api/proto/stream_pb";
+import { new_guest, remembered_guest } from "./place";
+import { role_of } from "./role";
+
+const token = "a".repeat(64);
+
+function store(): Pick<Storage, "getItem" | "setItem"> {
+  const kept = new Map<string, string>();
+  return { getItem: (key) => kept.get(key) ?? null, setItem: (key, value) => void kept.set(key, value) };
+}
+
+describe("a guest", () => {
+  it("is the same after a reload, and another at another link", () => {
+    const here = store();
+    const guest = new_guest(here, token, "  Ann  ");
+    expect(guest).toMatchObject({ name: "Ann" });
+    expect(guest.key).toMatch(/^[0-9a-f]{64}$/);
+    expect(remembered_guest(here, token)).toEqual(guest);
+    expect(remembered_guest(here, "b".repeat(64))).toBeNull();
+    here.setItem(`diaphane.guest.${token.slice(0, 8)}`, "{broken");
+    expect(remembered_guest(here, token)).toBeNull();
+  });
+
+  it("is told that a link was ended, and asks again for everything else", async () => {
+    const signal = new AbortController().signal;
+    const refused = (status: number, kind: string) =>
+      guest_door({ join: () => Promise.reject(new ApiProblem(status, kind, "")) }, token, "k", "Ann")(signal);
+    expect(await refused(404, "not-found")).toMatchObject({ ok: false, trouble: "link_ended", final: true });
+    expect(await refused(503, "no-worker")).toMatchObject({ ok: false, trouble: "no_worker", final: false });
+    const joined = guest_door({ join: (at, key, name) => Promise.resolve({ stream_url: [at, key, name].join() }) }, token, "k", "Ann");
+    expect(await joined(signal)).toEqual({ ok: true, url: `${token},k,Ann` });
+  });
+});
+
+describe("the role", () => {
+  const audience = (you: string, presenter: string) =>
+    create(AudienceSchema, { you, presenter, participants: [{ id: "owner", owner: true, presenter: presenter === "owner" }, { id: "ann", presenter: presenter === "ann" }] });
+
+  it("is the presenter's while nobody else is known, and as the server says it then", () => {
+    expect(role_of(null)).toMatchObject({ presents: true, follows: false, others: 0 });
+    expect(role_of(audience("ann", "owner"))).toMatchObject({ presents: false, follows: true, others: 1 });
+    expect(role_of(audience("ann", "ann"))).toMatchObject({ presents: true, presenter: { id: "ann" } });
+    expect(role_of(audience("owner", "gone"))).toMatchObject({ follows: true, presenter: null });
+  });
+});
