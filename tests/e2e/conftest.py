@@ -1,6 +1,6 @@
 """Real pages in headless Chromium against the real programs.
 
-    visit      opens a page of its own (own cookies): visit(), visit(phone=True), visit(wide=True, dark=True)
+    visit      opens a page of its own (own cookies): visit(), visit(phone=True), visit(wide=True, dark=True), visit(small=True)
     cranium    a folder with the DICOM series of a made-up patient
     pictures   a folder for screenshots to look at: $DIAPHANE_PICTURES, or a temporary one
 
@@ -35,9 +35,11 @@ def browser():
 def visit(browser: Browser):
     contexts, faults = [], []
 
-    def open_page(phone: bool = False, dark: bool = False, wide: bool = False, **more) -> Page:
+    def open_page(phone: bool = False, dark: bool = False, wide: bool = False, small: bool = False, **more) -> Page:
         # Not wider than a test needs: two cores render it.
         size = {"width": 1440, "height": 900} if wide else {"width": 960, "height": 640}
+        if small:
+            size = {"width": 480, "height": 320}
         if phone:
             size = {"width": 390, "height": 844}
         context = browser.new_context(viewport=size, color_scheme="dark" if dark else "light", is_mobile=phone,

@@ -1,0 +1,151 @@
+"""The stream as a browser shows it: each codec's colours, the lossless end, and all of it through a slow network."""
+
+from __future__ import annotations
+
+import base64
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from harness import REPO, StackHouse, TestStack
+from house import chromium
+from person import Person
+from picture import difference, facts, pixels, wait_for_samples
+from slow_network import SlowNetwork
+
+# What the page hears on its socket, kept for the test: the hash and place of each lossless tile.
+HEARING = (REPO / "tools" / "house" / "page_wire.js", Path(__file__).parent / "hear_stills.js")
+
+
+@pytest.fixture(scope="module")
+def quick(stack_house: StackHouse):
+    """A stack whose pictures are finished soon."""
+    stack = stack_house.open(extra_env={"DIAPHANE_MAX_ERROR": "0.3"})
+    yield stack
+    stack_house.shut(stack)
+
+
+def use_codec(page: Page, codec: str) -> None:
+    page.add_init_script(f"localStorage.setItem('diaphane.codecs', '{codec}')")
+
+
+def lossless(stack: TestStack, page: Page, input_seq: int = 0) -> int:
+    """Waits for the mark; the samples that it says."""
+    def marked() -> int | None:
+        samples = page.locator("canvas").get_attribute("data-lossless")
+        page.wait_for_timeout(50)
+        return int(samples) if samples and facts(page).input_seq >= input_seq else None
+    return stack.wait_until(marked, timeout=60, what="the lossless picture")
+
+
+def check_every_pixel(page: Page) -> int:
+    """The canvas, read back, has the hash of each tile that the worker sent; their number."""
+    return page.evaluate(
+        """async () => {
+            const canvas = document.querySelector("canvas");
+            const tiles = Object.values(heardStills.tiles);
+            let area = 0;
+            for (const { x, y, width, height, hash } of tiles) {
+                const rgba = canvas.getContext("2d").getImageData(x, y, width, height).data;
+                const rgb = new Uint8Array(rgba.length / 4 * 3).map((_, n) => rgba[Math.floor(n / 3) * 4 + n % 3]);
+                const own = new Uint8Array(await crypto.subtle.digest("SHA-256", rgb));
+                if (own.some((byte, n) => byte !== hash[n])) throw new Error(`the tile at ${x}, ${y} is another on the canvas`);
+                area += width * height;
+            }
+            if (area !== canvas.width * canvas.height) throw new Error(`tiles of ${area} pixels for ${canvas.width} x ${canvas.height}`);
+            return tiles.length;
+        }""")
+
+
+@pytest.fixture(scope="module")
+def anna(quick: TestStack, browser: Browser, cranium: Path):
+    """Somebody with a scan; pages of the module open it in contexts with these cookies."""
+    context = browser.new_context()
+    person = Person.arrives(quick, context.new_page(), "anna")
+    scan = person.has_scan(cranium, "Head")
+    yield scan, context.cookies()
+    context.close()
+
+
+def view(visit, stack: TestStack, anna, codec: str | None = None, **choices) -> Page:
+    scan, cookies = anna
+    page = visit(**choices)
+    page.context.add_cookies(cookies)
+    for script in HEARING:
+        page.add_init_script(path=script)
+    if codec:
+        use_codec(page, codec)
+    page.goto(f"{stack.url}/view/{scan}")
+    wait_for_samples(stack, page, 1)
+    return page
+
+
+def turn(page: Page) -> None:
+    """By a key: on so small a page the panels leave little for a hand to hold."""
+    page.locator("canvas").focus()
+    page.keyboard.press("ArrowRight")
+
+
+def heard_codecs(page: Page) -> set[int]:
+    return set(page.evaluate("Object.keys(heardStills.codecs).map(Number)"))
+
+
+@pytest.mark.parametrize(("codec", "number"), [("H264", 2), ("JPEG", 1), ("MPEG1", 3)])
+def test_each_codec_has_the_right_colours_and_its_end_is_exact(quick: TestStack, visit, anna, pictures: Path, codec: str, number: int):
+    page = view(visit, quick, anna, codec, small=True)
+    lossless(quick, page)
+    page.evaluate("heardStills.keepCoded(document.querySelector('canvas'))")
+    before = facts(page)
+    turn(page)  # another picture: the mark goes, and comes again with its own tiles
+    samples = lossless(quick, page, before.input_seq + 1)
+    assert facts(page).epoch > before.epoch
+    assert check_every_pixel(page) == 4  # 480 x 320
+    expect(page.locator("[data-fact=state]")).to_have_text(f"Lossless, {samples:,} samples")
+    page.screenshot(path=pictures / f"lossless-{codec}.png")
+
+    # The last coded picture against the lossless one: what coding changes is small, and has no cast.
+    assert heard_codecs(page) == {number}
+    frame = page.evaluate("heardStills.frame")
+    print(codec, frame, page.evaluate("Object.values(heardStills.tiles)[0].samples"))
+    coded, exact = base64.b64decode(page.evaluate("heardStills.coded()")), pixels(page)
+    casts = [(sum(coded[channel::3]) - sum(exact[channel::3])) / (len(exact) / 3) for channel in range(3)]
+    print(codec, difference(coded, exact), casts)
+    # A wrong matrix (BT.601 for BT.709) moves the mean of red or blue of skin by 4 and more, a wrong range every mean by 8.
+    assert difference(coded, exact) < 4
+    assert all(abs(cast) < 1.5 for cast in casts), casts
+
+
+def test_a_tile_that_came_damaged_is_said_and_the_streamed_picture_stays(quick: TestStack, visit, anna):
+    page = view(visit, quick, anna, small=True)
+    lossless(quick, page)
+    page.evaluate("heardStills.spoil = true")
+    before = facts(page)
+    turn(page)
+    expect(page.get_by_role("status")).to_contain_text("came damaged", timeout=60_000)
+    assert facts(page).input_seq > before.input_seq
+    assert page.locator("canvas").get_attribute("data-lossless") is None
+    page.evaluate("heardStills.spoil = false")
+    turn(page)
+    lossless(quick, page, before.input_seq + 2)
+
+
+def test_a_decoder_that_keeps_failing_is_left_for_the_next_codec(quick: TestStack, visit, anna):
+    """As when a graphics driver breaks: the test frame was decoded, then nothing more is."""
+    scan, cookies = anna
+    page = visit(small=True)
+    page.context.add_cookies(cookies)
+    for script in HEARING:
+        page.add_init_script(path=script)
+    page.add_init_script("""
+        const decode = VideoDecoder.prototype.decode;
+        let decoded = 0;
+        VideoDecoder.prototype.decode = function (chunk) {
+            if (decoded++ > 0) throw new DOMException("made to fail", "EncodingError");
+            return decode.call(this, chunk);
+        };""")
+    page.goto(f"{quick.url}/view/{scan}")
+    wait_for_samples(quick, page, 1)
+    assert heard_codecs(page) == {1, 2}  # H.264 first, then JPEG
+    turn(page)
+    lossless(quick, page, 1)
