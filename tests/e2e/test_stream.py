@@ -33,9 +33,10 @@ def use_codec(page: Page, codec: str) -> None:
 def lossless(stack: TestStack, page: Page, input_seq: int = 0) -> int:
     """Waits for the mark; the samples that it says."""
     def marked() -> int | None:
-        samples = page.locator("canvas").get_attribute("data-lossless")
+        samples, shown = page.locator("canvas").evaluate("(c) => [c.dataset.lossless, c.dataset.inputSeq]")  # of one moment
         page.wait_for_timeout(50)
-        return int(samples) if samples and facts(page).input_seq >= input_seq else None
+        return int(samples) if samples and int(shown) >= input_seq else None
+
     return stack.wait_until(marked, timeout=60, what="the lossless picture")
 
 
@@ -101,7 +102,7 @@ def test_each_codec_has_the_right_colours_and_its_end_is_exact(quick: TestStack,
     samples = lossless(quick, page, before.input_seq + 1)
     assert facts(page).epoch > before.epoch
     assert check_every_pixel(page) == 4  # 480 x 320
-    expect(page.locator("[data-fact=state]")).to_have_text(f"Lossless, {samples:,} samples")
+    expect(page.get_by_text(f"Lossless, {samples:,} samples")).to_be_visible()
     page.screenshot(path=pictures / f"lossless-{codec}.png")
 
     # The last coded picture against the lossless one: what coding changes is small, and has no cast.
