@@ -3,6 +3,7 @@
 # libraries that a bare Ubuntu or Debian lacks, and a volume (docs/gpu.md).
 #
 #   tools/gpu/load_bundle.sh BUILD VOLUME FOLDER     here; BUILD has renderd with CUDA, VOLUME is one of the store
+#   tar c -C FOLDER . | xz > FOLDER.tar.xz           54 MB: FFmpeg brings many libraries along
 #   FOLDER/run --sessions 200 --find                 there; options are those of `diaphane-load bench`
 set -euo pipefail
 build=${1:?usage: tools/gpu/load_bundle.sh BUILD VOLUME FOLDER}
@@ -29,13 +30,13 @@ cat > "$folder/run" <<'RUN'
 #!/usr/bin/env bash
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-export LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 export DIAPHANE_NVRTC="${DIAPHANE_NVRTC:-/usr/local/cuda/lib64}"
 export DIAPHANE_KERNEL_CACHE="${DIAPHANE_KERNEL_CACHE:-${TMPDIR:-/tmp}/diaphane-kernels}"
 chmod +x "$here"/bin/*
 nvidia-smi --query-gpu=name,driver_version,memory.used --format=csv,noheader 2>/dev/null || true
 echo "$(nproc) cores, $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1)"
-exec "$here/bin/diaphane-load" bench --bin-dir "$here/bin" --volume "$here/volume" --engine "${ENGINE:-cuda}" "$@"
+# For these programs alone: the shell's own tools keep the machine's libraries.
+LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}" exec "$here/bin/diaphane-load" bench --bin-dir "$here/bin" --volume "$here/volume" --engine "${ENGINE:-cuda}" "$@"
 RUN
 chmod +x "$folder/run"
 du -sh "$folder" | cut -f 1
