@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <thread>
 
@@ -22,6 +23,7 @@
 #include "renderd/serve/grpc_server.h"
 #include "renderd/serve/registry.h"
 #include "renderd/serve/render_worker.h"
+#include "renderd/serve/watchdog.h"
 
 namespace diaphane::render {
 namespace {
@@ -45,6 +47,7 @@ struct Settings {
   double max_error = 0;
   std::uint64_t volume_bytes = 0;
   PolicyKind policy = PolicyKind::kMarginalGain;
+  std::chrono::seconds silence{0};  ///< of device or main loop; 0: no watchdog
   EngineOptions options;
   bool mark_frames = false;
   std::vector<int> devices;
@@ -138,6 +141,9 @@ Settings read_settings(ConfigReader& in) {
           in.integer("volume-memory-mb", "loaded volumes at most; 0: half of the device's memory",
                      0, 1 << 22, 0))
       << 20;
+  settings.silence = std::chrono::seconds(in.integer(
+      "watchdog-s", "a device that gives no sign of life for so long ends the program; 0: never", 0,
+      3600, 15));
   const std::string kernels =
       in.one_of("kernels",
                 "of the CUDA engine: which are compiled for a scene, and whether it waits for them",
@@ -158,6 +164,14 @@ Settings read_settings(ConfigReader& in) {
 // The device cannot be used by this process any more; sessions' scenes are in Redis already.
 [[noreturn]] void leave_broken_device(const Error& why) {
   log::error("device_lost", {{"message", why.message}});
+  std::_Exit(kExitDevice);
+}
+
+// Something hangs, so that nothing can be ended in order: connections and heartbeats end with the
+// process, and whoever started it starts it again. What it held is placed anew, with the scenes
+// that are in Redis.
+[[noreturn]] void leave_hung(const std::string& what) {
+  log::error("hung", {{"what", what}});
   std::_Exit(kExitDevice);
 }
 
@@ -194,6 +208,7 @@ int run(int argc, char** argv) {
   // What the operations port looks at; null before it serves and when it ends.
   std::atomic<RenderWorker*> worker_now{nullptr};
   std::atomic<Registry*> registry_now{nullptr};
+  std::atomic<const Watchdog*> watchdog_now{nullptr};
   service::AdminServer::Options admin_options;
   admin_options.port = settings.admin_port;
   admin_options.program = "renderd";
@@ -201,6 +216,11 @@ int run(int argc, char** argv) {
                            [&] {
                              const Registry* registry = registry_now;
                              return registry && registry->connected();
+                           }},
+                          {"signs of life",
+                           [&] {
+                             const Watchdog* watchdog = watchdog_now;
+                             return !watchdog || !watchdog->suspects();
                            }},
                           {"volume store", [dir = settings.volume_dir] {
                              return access(dir.c_str(), R_OK | X_OK) == 0;
@@ -248,24 +268,44 @@ int run(int argc, char** argv) {
     std::fprintf(stderr, "--grpc-port: %s\n", server.error().message.c_str());
     return kExitUnavailable;
   }
+  // The main loop's own signs of life: a lock of a session that is never given back stops it.
+  std::atomic<std::uint64_t> turns{1};
+  std::atomic<bool> name_taken{false};
   {
     Registry registry(
         {settings.redis, settings.worker_id, new_id(), settings.advertise, info.engine, info.device,
-         [&] { return worker.runner().busy_seconds(); }, [&] { return worker.volumes().loaded(); }},
+         [&] { return worker.runner().busy_seconds(); }, [&] { return worker.volumes().loaded(); },
+         [&](const std::string& holder) {
+           std::fprintf(stderr, "--worker-id: another renderd of this name lives at %s\n",
+                        holder.c_str());
+           name_taken = true;
+         }},
         worker.host(), metrics);
+    std::optional<Watchdog> watchdog;
+    if (settings.silence.count() > 0) {
+      std::vector<Watchdog::Watched> all = watched(worker.runner().signs());
+      all.push_back({"main loop", [&] { return turns.load(); }});
+      watchdog.emplace(std::move(all), Watchdog::Options{.limit = settings.silence,
+                                                         .look = milliseconds(250),
+                                                         .hung = leave_hung});
+    }
+    watchdog_now = watchdog ? &*watchdog : nullptr;
     worker_now = &worker;
     registry_now = &registry;
     log::info("serving", {{"engine", info.engine},
                           {"device", info.device},
                           {"port", (*server)->port()},
                           {"slots", settings.slots}});
-    while (!stop.wait_for(milliseconds(200))) {
+    while (!stop.wait_for(milliseconds(200)) && !name_taken) {
+      ++turns;
       worker.host().tick();
       (*server)->sweep();
       metrics.device(worker.runner().times());
     }
 
     log::info("draining");
+    watchdog_now = nullptr;
+    watchdog.reset();  // the drain has a limit of its own
     end_within(milliseconds(3500));
     (*admin)->set_draining();
     (*server)->set_not_serving();
@@ -278,7 +318,7 @@ int run(int argc, char** argv) {
     (*server)->stop(milliseconds(1000));
   }
   log::info("stopped");
-  return 0;
+  return name_taken ? kExitConfig : 0;
 }
 
 }  // namespace

@@ -18,6 +18,8 @@ struct FakeDevice {
   std::atomic<bool> refuse_scenes{false};
   std::atomic<std::uint32_t> refuse_wider_than{100000};
   std::atomic<bool> lost{false};
+  std::atomic<bool> hangs{false};             ///< a quantum neither ends nor asks whether to
+  std::atomic<bool> refuse_renderers{false};  ///< no memory for another film
   std::atomic<std::uint64_t> samples{0};
   std::atomic<int> scenes{0};
   std::atomic<int> volumes{0};
@@ -56,6 +58,7 @@ class FakeRenderer final : public FrameRenderer {
     if (device_->one_at_a_time) turn.lock();
     const double cost = device_->seconds_per_megapixel * canvas_.width * canvas_.height / 1e6;
     Batch batch;
+    while (device_->hangs) std::this_thread::sleep_for(milliseconds(1));
     for (; batch.samples < samples; ++batch.samples) {
       const auto end = steady_clock::now() + duration<double>(cost);
       while (steady_clock::now() < end && !stop()) std::this_thread::sleep_for(microseconds(500));
@@ -126,6 +129,7 @@ class FakeEngine final : public Engine {
   Result<std::unique_ptr<FrameRenderer>> make_renderer(std::shared_ptr<const DeviceVolume> volume,
                                                        std::uint64_t, std::uint64_t,
                                                        Method) override {
+    if (device_->refuse_renderers) return fail(ErrorCode::kOutOfMemory, "No memory for a film.");
     return std::make_unique<FakeRenderer>(device_, std::move(volume));
   }
 

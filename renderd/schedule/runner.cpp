@@ -307,7 +307,10 @@ void Runner::begin(std::unique_ptr<Turn> turn) {
   // A std::function must be copyable; the turn is not.
   lanes_.start([this, turn = turn.release()] {
     std::unique_ptr<Turn> mine(turn);
-    mine->still ? carry_out_still(*mine) : carry_out(*mine);
+    {
+      Signs::Work signs(signs_);
+      mine->still ? carry_out_still(*mine, signs) : carry_out(*mine, signs);
+    }
     ended(std::move(mine));
   });
 }
@@ -334,9 +337,9 @@ double Runner::own_seconds(Time start, double before) const {
   return seconds > 0 ? seconds * own_share((fill_seconds(now) - before) / seconds) : 0;
 }
 
-void Runner::carry_out(Turn& turn) {
+void Runner::carry_out(Turn& turn, Signs::Work& signs) {
   if (turn.question) return show(turn, *turn.question);
-  const bool there = render(turn);
+  const bool there = render(turn, signs);
   // While its picture is made the device goes on. The CPU makes it itself.
   if (options_.device_queues) rendered(turn);
   if (there) show_if_due(turn);
@@ -351,7 +354,7 @@ void Runner::rendered(Turn& turn) {
 }
 
 // The scene that is wanted, and the samples. False: there is nothing to show.
-bool Runner::render(Turn& turn) {
+bool Runner::render(Turn& turn, Signs::Work& signs) {
   Track& track = *turn.track;
   Ledger& ledger = track.ledger;
   if (ledger.stale()) {
@@ -369,6 +372,7 @@ bool Runner::render(Turn& turn) {
   }
   const bool interruptible = ledger.interruptible();
   const auto stop = [&] {
+    signs.alive();
     if (stopping_ || track.gone) return true;
     return interruptible && track.client->version() != ledger.applied_version();
   };
@@ -462,7 +466,7 @@ bool Runner::begin_still() {
   return true;
 }
 
-void Runner::carry_out_still(Turn& turn) {
+void Runner::carry_out_still(Turn& turn, Signs::Work& signs) {
   StillJob& job = turn.still->job;
   const Time start = clock_.now();
   if (turn.still->samples == 0) {
@@ -471,7 +475,10 @@ void Runner::carry_out_still(Turn& turn) {
       return;
     }
   }
-  const auto batch = job.renderer->render(turn.samples, [this] { return stopping_.load(); });
+  const auto batch = job.renderer->render(turn.samples, [&] {
+    signs.alive();
+    return stopping_.load();
+  });
   turn.render_seconds = seconds_between(start, clock_.now());
   if (!batch) {
     turn.failed = batch.error();

@@ -16,6 +16,7 @@
 #include "renderd/schedule/lanes.h"
 #include "renderd/schedule/ledger.h"
 #include "renderd/schedule/policy.h"
+#include "renderd/schedule/signs.h"
 #include "renderd/session/wanted.h"
 
 namespace diaphane::render {
@@ -83,6 +84,8 @@ class Runner {
   /// Seconds with anything under way since the start, for the load that the heartbeat tells.
   double busy_seconds() const;
   RunnerTimes times() const;
+  /// Of each quantum and picture under way.
+  const Signs& signs() const { return signs_; }
 
  private:
   struct Track;
@@ -100,12 +103,12 @@ class Runner {
   bool begin_still();
 
   // In a lane.
-  void carry_out(Turn& turn);
-  bool render(Turn& turn);
+  void carry_out(Turn& turn, Signs::Work& signs);
+  bool render(Turn& turn, Signs::Work& signs);
   void rendered(Turn& turn);
   void show_if_due(Turn& turn);
   void show(Turn& turn, const EmissionQuestion& question);
-  void carry_out_still(Turn& turn);
+  void carry_out_still(Turn& turn, Signs::Work& signs);
   double fill_seconds(Time now) const;
   double own_seconds(Time start, double before) const;
   void ended(std::unique_ptr<Turn> turn);
@@ -131,6 +134,7 @@ class Runner {
   DeviceCosts costs_;
   RunnerTimes spent_;
   std::atomic<bool> stopping_{false};
+  Signs signs_;
 
   // Of the thread alone.
   std::vector<std::shared_ptr<Track>> tracks_;

@@ -9,8 +9,13 @@ local kLiveMs = 10000
 local clock = redis.call('TIME')
 local now = clock[1] * 1000 + math.floor(clock[2] / 1000)
 
+-- Another worker of this name beats: the name is its own for as long as it does. At the same address it is the process
+-- before this one, dead, for a port has one owner: this one takes over at once.
+local stored = redis.call('HMGET', KEYS[2], 'incarnation', 'address')
+local before = stored[1]
+if before and before ~= ARGV[2] and stored[2] and stored[2] ~= ARGV[3] then return {'name_taken', stored[2]} end
+
 -- Sessions of the process before this one died with it; reservations made since are for this one.
-local before = redis.call('HGET', KEYS[2], 'incarnation')
 if before and before ~= ARGV[2] then
   redis.call('DEL', KEYS[3])
 end

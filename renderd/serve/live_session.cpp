@@ -60,7 +60,7 @@ class LiveSession::Lane final : public FrameSink {
   const std::weak_ptr<LiveSession> session_;
 };
 
-LiveSession::LiveSession(SessionParts parts, Start start, std::function<void()> ended)
+LiveSession::LiveSession(SessionParts parts, Start start, std::function<void(const Error&)> ended)
     : parts_(std::move(parts)),
       id_(start.id),
       volume_id_(start.volume_id),
@@ -301,7 +301,7 @@ void LiveSession::picture(RenderedPicture picture) {
 void LiveSession::failed(const Error& why) {
   log::warning("session_failed", {{"session", id_}, {"code", to_string(why.code)}});
   end(why);
-  on_ended_();
+  on_ended_(why);
 }
 
 Admitted LiveSession::admit(const Lane& lane, const FrameInfo& frame) {

@@ -86,7 +86,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   };
 
   /// `ended` is called once, without a lock held, when the session has ended by itself.
-  LiveSession(SessionParts parts, Start start, std::function<void()> ended);
+  LiveSession(SessionParts parts, Start start, std::function<void(const Error&)> ended);
 
   /// One more viewer; a connection that the same participant had before is ended. Returns its
   /// number, or kTooMany.
@@ -167,7 +167,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   const std::string id_;
   const std::string volume_id_;
   const std::string user_id_;
-  const std::function<void()> on_ended_;
+  const std::function<void(const Error&)> on_ended_;
 
   mutable std::mutex mutex_;
   SessionState state_;

@@ -9,7 +9,7 @@ void LiveSession::dismiss() {
     links_.clear();
   }
   end({ErrorCode::kConflict, "Nobody needs it any more.", {}});
-  on_ended_();
+  on_ended_({ErrorCode::kUnavailable, "Nobody looks.", {}});
 }
 
 void LiveSession::follow(const v1::Scene& presenters) {

@@ -18,6 +18,8 @@ using std::chrono::steady_clock;
 constexpr milliseconds kBeat{1000};
 constexpr milliseconds kSave{200};
 constexpr milliseconds kMostBackoff{2000};
+// A worker that died is forgotten 3 s after its last heartbeat.
+constexpr milliseconds kNameMayBeTaken{5000};
 
 constexpr char kWorkers[] = "diaphane:workers";
 constexpr char kSessionPrefix[] = "diaphane:session:";
@@ -145,6 +147,11 @@ bool Registry::heartbeat() {
     }
     return false;
   }
+  if (answer->list.size() == 2 && answer->list.front() == "name_taken") {
+    refused_name(answer->list.back());
+    return false;
+  }
+  refused_since_.reset();
   bool unknown = false;
   for (const std::string& id : answer->list) {
     if (id.empty()) {
@@ -184,6 +191,17 @@ void Registry::write_again(const std::string& session) {
                   "diaphane:data_set:" + lost->volume_id + ":sessions"},
                  arguments);
   if (written && written->number == 1) log::info("session_written_again", {{"session", session}});
+}
+
+void Registry::refused_name(const std::string& holder) {
+  const auto now = steady_clock::now();
+  if (!refused_since_) {
+    refused_since_ = now;
+    log::warning("name_taken", {{"worker", options_.worker_id}, {"by", holder}});
+  }
+  if (refusal_told_ || now - *refused_since_ < kNameMayBeTaken) return;
+  refusal_told_ = true;
+  if (options_.name_taken) options_.name_taken(holder);
 }
 
 bool Registry::save_scenes() {

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -28,6 +29,9 @@ class Registry {
     std::string device;
     std::function<double()> busy_seconds;               ///< since the start, for the load
     std::function<std::vector<std::string>()> volumes;  ///< loaded
+    /// Called once, from the registry's thread: another worker that lives has had this name for
+    /// longer than one that died would be remembered.
+    std::function<void(const std::string& address)> name_taken;
   };
 
   Registry(Options options, SessionHost& host, Metrics& metrics);
@@ -47,6 +51,7 @@ class Registry {
   bool heartbeat();
   bool save_scenes();
   void write_again(const std::string& session);
+  void refused_name(const std::string& holder);
   double load();
 
   const Options options_;
@@ -64,6 +69,8 @@ class Registry {
   // Of the thread alone.
   double busy_before_ = 0;
   std::chrono::steady_clock::time_point load_since_;
+  std::optional<std::chrono::steady_clock::time_point> refused_since_;
+  bool refusal_told_ = false;
   std::thread thread_;
 };
 

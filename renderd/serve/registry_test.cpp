@@ -93,11 +93,13 @@ struct RegistryTest : testing::Test {
     worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
                                             clock);
   }
-  std::unique_ptr<Registry> announce(const std::string& incarnation = "first") {
+  std::unique_ptr<Registry> announce(const std::string& incarnation = "first",
+                                     const std::string& address = "127.0.0.1:8085",
+                                     std::function<void(const std::string&)> name_taken = {}) {
     return std::make_unique<Registry>(
-        Registry::Options{redis.address, "w1", incarnation, "127.0.0.1:8085", "fake", "a test",
+        Registry::Options{redis.address, "w1", incarnation, address, "fake", "a test",
                           [this] { return worker->runner().busy_seconds(); },
-                          [this] { return worker->volumes().loaded(); }},
+                          [this] { return worker->volumes().loaded(); }, std::move(name_taken)},
         worker->host(), metrics);
   }
   std::pair<Attachment, std::shared_ptr<Link>> attach(const std::string& session,
@@ -188,6 +190,45 @@ TEST_F(RegistryTest, TheProcessBeforeLeavesNoSessionsBehind) {
   ASSERT_TRUE(
       eventually([&] { return redis.field("diaphane:worker:w1", "incarnation") == "second"; }));
   EXPECT_EQ(redis.field("diaphane:worker:w1", "used"), "0");
+}
+
+TEST_F(RegistryTest, ARestartAtTheSameAddressTakesOverAtOnce) {
+  redis.ask({"HSET", "diaphane:worker:w1", "incarnation", "killed", "address", "127.0.0.1:8085"});
+  const auto begin = std::chrono::steady_clock::now();
+  auto registry = announce("second");
+  ASSERT_TRUE(
+      eventually([&] { return redis.field("diaphane:worker:w1", "incarnation") == "second"; }));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 2s);
+}
+
+TEST_F(RegistryTest, ASecondWorkerOfANameIsRefusedWhileTheFirstLivesAndTheNameNeverFlaps) {
+  const std::string id = new_id();
+  place(id, "w1", 1);
+  auto [attachment, link] = attach(id);
+  auto first = announce("first", "127.0.0.1:8085");
+  ASSERT_TRUE(eventually([&] { return redis.field("diaphane:worker:w1", "used") == "1"; }));
+
+  std::atomic<int> refused{0};
+  std::string holder;
+  auto second = announce("second", "127.0.0.1:9999", [&](const std::string& address) {
+    holder = address;
+    ++refused;
+  });
+  bool flapped = false;
+  const bool told = eventually([&] {
+    flapped = flapped || redis.field("diaphane:worker:w1", "incarnation") != "first" ||
+              redis.number({"ZCARD", "diaphane:worker:w1:sessions"}) != 1;
+    return refused > 0;
+  });
+  EXPECT_TRUE(told);
+  EXPECT_EQ(holder, "127.0.0.1:8085");
+  EXPECT_FALSE(flapped);
+  EXPECT_FALSE(second->connected()) << "it is not ready";
+
+  first.reset();  // it leaves in order; nobody holds the name
+  EXPECT_TRUE(
+      eventually([&] { return redis.field("diaphane:worker:w1", "incarnation") == "second"; }));
+  EXPECT_EQ(refused, 1);
 }
 
 TEST_F(RegistryTest, TheLastSceneIsKeptAndOnlyByTheWorkerThatHasTheSession) {

@@ -1,5 +1,7 @@
 #include "renderd/serve/session_host.h"
 
+#include <algorithm>
+
 #include "common/ids.h"
 #include "common/log.h"
 
@@ -83,12 +85,15 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
         return fail(ErrorCode::kInvalid, "The session is of another volume.", "volume_id");
       }
     } else {
+      if (full()) {
+        return fail(ErrorCode::kOutOfMemory,
+                    "The memory of this render server is full; the picture opens elsewhere.");
+      }
       if (sessions_.size() >= options_.slots && !(evicted = evict_abandoned())) {
         return fail(ErrorCode::kTooMany, "All places of this render server are taken.");
       }
       is_new = true;
-      session = std::make_shared<LiveSession>(parts(), std::move(*start),
-                                              [this, id] { forget(id, nullptr); });
+      session = std::make_shared<LiveSession>(parts(), std::move(*start), when_ended(id));
       sessions_.emplace(id, session);
       metrics_.sessions(sessions_.size());
     }
@@ -136,8 +141,7 @@ Result<SessionHost::Session> SessionHost::branch(const LiveSession& group, const
     if (sessions_.size() >= options_.slots && !(evicted = evict_abandoned())) {
       return fail(ErrorCode::kTooMany, "There is no room for a camera of your own now.");
     }
-    session = std::make_shared<LiveSession>(parts(), std::move(start),
-                                            [this, id] { forget(id, nullptr); });
+    session = std::make_shared<LiveSession>(parts(), std::move(start), when_ended(id));
     sessions_.emplace(id, session);
     metrics_.sessions(sessions_.size());
   }
@@ -171,6 +175,35 @@ void SessionHost::forget(const std::string& id, const LiveSession* session) {
   if (found == sessions_.end() || (session && found->second.get() != session)) return;
   last = std::move(found->second);
   sessions_.erase(found);
+  freed();
+}
+
+std::function<void(const Error&)> SessionHost::when_ended(const std::string& id) {
+  return [this, id](const Error& why) {
+    forget(id, nullptr);
+    if (why.code == ErrorCode::kOutOfMemory) out_of_memory();
+  };
+}
+
+void SessionHost::out_of_memory() {
+  Session abandoned;
+  {
+    const std::lock_guard lock(mutex_);
+    // Somebody who looks goes before one whom nobody came back to; whoever asks next has its room.
+    if ((abandoned = evict_abandoned())) {
+      freed();
+    } else {
+      full_until_ = clock_.now() + options_.full_for;
+    }
+  }
+  log::warning("device_full", {{"evicted", abandoned != nullptr}});
+  if (abandoned) abandoned->end(stopping());
+}
+
+bool SessionHost::full() const { return clock_.now() < full_until_; }
+
+void SessionHost::freed() {
+  full_until_ = {};
   metrics_.sessions(sessions_.size());
 }
 
@@ -184,7 +217,7 @@ void SessionHost::tick() {
       const std::lock_guard lock(mutex_);
       if (!session->abandoned_for()) continue;
       sessions_.erase(session->id());
-      metrics_.sessions(sessions_.size());
+      freed();
     }
     session->end(stopping());
     log::info("session_dropped", {{"session", session->id()}});
@@ -216,7 +249,7 @@ void SessionHost::moved_away(const std::string& id) {
     if (found == sessions_.end()) return;
     session = std::move(found->second);
     sessions_.erase(found);
-    metrics_.sessions(sessions_.size());
+    freed();
   }
   session->end({ErrorCode::kConflict, "This session has ended here.", {}});
 }
@@ -257,6 +290,11 @@ std::optional<LiveSession::Lost> SessionHost::lost(const std::string& id) const 
     session = found->second;
   }
   return session->lost();
+}
+
+std::size_t SessionHost::slots() const {
+  const std::lock_guard lock(mutex_);
+  return full() ? std::min(sessions_.size(), options_.slots) : options_.slots;
 }
 
 std::size_t SessionHost::used() const {

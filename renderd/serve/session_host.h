@@ -34,6 +34,8 @@ class SessionHost {
   struct Options {
     std::size_t slots = 4;  ///< sessions at most, those that wait for a viewer included
     std::chrono::seconds keep_abandoned{30};  ///< so that a reload is where one was
+    /// After a session found no memory on the device, unless one ends before.
+    std::chrono::seconds full_for{10};
     bool mark_frames = false;  ///< for a bench: input_seq in the pixels (encode/frame_mark.h)
   };
   /// What the heartbeat tells of a session.
@@ -65,13 +67,20 @@ class SessionHost {
   void mark_unsaved(const std::string& id);
   std::optional<LiveSession::Lost> lost(const std::string& id) const;
   std::size_t used() const;
-  std::size_t slots() const { return options_.slots; }
+  /// That may be filled: while the device's memory is full, no more than are taken already.
+  std::size_t slots() const;
 
  private:
   using Session = std::shared_ptr<LiveSession>;
   Result<Session> branch(const LiveSession& group, const Branch& wanted);
   SessionParts parts();
   void forget(const std::string& id, const LiveSession* session);
+  /// What a session that ends by itself calls.
+  std::function<void(const Error&)> when_ended(const std::string& id);
+  /// A session ended because the device had no memory for it.
+  void out_of_memory();
+  bool full() const;          // under the lock
+  void freed();               // under the lock: a session ended
   Session evict_abandoned();  // under the lock; empty when all are looked at
   std::vector<Session> all() const;
 
@@ -86,6 +95,7 @@ class SessionHost {
   mutable std::mutex mutex_;
   std::map<std::string, Session> sessions_;
   bool refusing_ = false;
+  std::chrono::steady_clock::time_point full_until_{};
 };
 
 }  // namespace diaphane::render

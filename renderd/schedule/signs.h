@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+namespace diaphane::render {
+
+/// Signs of life of what is under way on a device, for a watchdog: each piece of work has a place,
+/// which changes with every sign. Wait-free.
+class Signs {
+ public:
+  /// More than are ever under way at once; what finds no place is not watched.
+  static constexpr std::size_t kPlaces = 64;
+
+  /// A place, held while the work goes on.
+  class Work {
+   public:
+    explicit Work(Signs& signs) : signs_(signs) {
+      for (auto& place : signs_.places_) {
+        std::uint64_t free = 0;
+        if (place.compare_exchange_strong(free, signs_.next())) {
+          place_ = &place;
+          return;
+        }
+      }
+    }
+    ~Work() {
+      if (place_) *place_ = 0;
+    }
+    Work(const Work&) = delete;
+    Work& operator=(const Work&) = delete;
+    void alive() {
+      if (place_) place_->store(signs_.next(), std::memory_order_relaxed);
+    }
+
+   private:
+    Signs& signs_;
+    std::atomic<std::uint64_t>* place_ = nullptr;
+  };
+
+  /// 0: nothing is under way there. Else it differs whenever there was a sign since.
+  std::uint64_t at(std::size_t place) const { return places_[place]; }
+
+ private:
+  std::uint64_t next() { return count_.fetch_add(1, std::memory_order_relaxed) + 1; }
+
+  std::array<std::atomic<std::uint64_t>, kPlaces> places_{};
+  std::atomic<std::uint64_t> count_{0};
+};
+
+}  // namespace diaphane::render

@@ -1,0 +1,115 @@
+#include "renderd/serve/watchdog.h"
+
+#include <gtest/gtest.h>
+
+#include "renderd/schedule/policy.h"
+#include "renderd/schedule/runner.h"
+#include "renderd/serve/test_worker.h"
+
+namespace diaphane::render {
+namespace {
+
+using namespace std::chrono_literals;
+
+// What a watchdog said, from its thread.
+struct Told {
+  std::atomic<int> times{0};
+  std::string name;
+  Watchdog::Options within(std::chrono::milliseconds limit) {
+    return {.limit = limit, .look = 10ms, .hung = [this](const std::string& who) {
+              name = who;
+              ++times;
+            }};
+  }
+  bool soon() const {
+    for (int i = 0; i < 500 && times == 0; ++i) std::this_thread::sleep_for(10ms);
+    return times > 0;
+  }
+};
+
+TEST(Watchdog, SilenceIsToldOnceByNameAndSuspectedBefore) {
+  Told told;
+  std::atomic<std::uint64_t> lively{1};
+  Watchdog watchdog({{"lively", [&] { return ++lively; }}, {"silent", [] { return 7; }}},
+                    told.within(200ms));
+  EXPECT_FALSE(watchdog.suspects());
+  ASSERT_TRUE(told.soon());
+  EXPECT_EQ(told.name, "silent");
+  EXPECT_TRUE(watchdog.suspects());
+  std::this_thread::sleep_for(100ms);
+  EXPECT_EQ(told.times, 1);
+}
+
+TEST(Watchdog, WhoHasNothingToDoAndWhoGoesOnAreLeftAlone) {
+  Told told;
+  std::atomic<std::uint64_t> pulse{1};
+  std::atomic<bool> idle{false};
+  Watchdog watchdog({{"one", [&]() -> std::uint64_t { return idle ? 0 : pulse.load(); }}},
+                    told.within(300ms));
+  for (int i = 0; i < 10; ++i) {  // a sign of life each 60 ms, half a second and more
+    std::this_thread::sleep_for(60ms);
+    ++pulse;
+  }
+  idle = true;
+  std::this_thread::sleep_for(500ms);
+  EXPECT_EQ(told.times, 0);
+  EXPECT_FALSE(watchdog.suspects());
+}
+
+TEST(Signs, WorkHasAPlaceOfItsOwnThatChangesWithItsSignsAndIsGivenBack) {
+  Signs signs;
+  Signs::Work one(signs);
+  const std::uint64_t first = signs.at(0);
+  EXPECT_NE(first, 0U);
+  {
+    Signs::Work two(signs);
+    EXPECT_NE(signs.at(1), 0U);
+    EXPECT_EQ(signs.at(0), first) << "another's signs are not its own";
+  }
+  EXPECT_EQ(signs.at(1), 0U);
+  one.alive();
+  EXPECT_NE(signs.at(0), first);
+}
+
+// A client that always wants more.
+struct Looker final : RenderClient {
+  Looker() {
+    wish.scene = std::make_shared<const v1::Scene>();
+    wish.viewport = {64, 64};
+    wish.version = 1;
+  }
+  Wanted wanted() override { return wish; }
+  std::uint64_t version() const noexcept override { return 1; }
+  void began(std::uint64_t, const Wanted&) override {}
+  void refused(const Wanted&, const Error&) override {}
+  void rendered(const Batch&) override { ++batches; }
+  void picture(RenderedPicture) override {}
+  void failed(const Error&) override {}
+  Wanted wish;
+  std::atomic<int> batches{0};
+};
+
+TEST(Watchdog, ADeviceThatHangsInAQuantumIsNoticedAndALongQuantumIsNot) {
+  auto device = std::make_shared<FakeDevice>();
+  device->seconds_per_megapixel = 240;  // a sample of 64 x 64 takes a second
+  FakeEngine engine(device);
+  const SystemClock clock;
+  Runner runner(make_policy(PolicyKind::kMarginalGain), clock, {});
+  Told told;
+  Watchdog watchdog(watched(runner.signs()), told.within(250ms));
+
+  auto volume = std::make_shared<FakeDeviceVolume>(volume::Header{});
+  auto looker = std::make_shared<Looker>();
+  runner.add(looker, *engine.renderer(volume, 1, 0), 0);
+  for (int i = 0; i < 500 && looker->batches == 0; ++i) std::this_thread::sleep_for(10ms);
+  ASSERT_GT(looker->batches, 0);
+  EXPECT_EQ(told.times, 0) << "a quantum of a second is no silence";
+
+  device->hangs = true;
+  EXPECT_TRUE(told.soon());
+  EXPECT_EQ(told.name, "device");
+  device->hangs = false;  // or the runner's thread would never end
+}
+
+}  // namespace
+}  // namespace diaphane::render

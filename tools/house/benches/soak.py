@@ -1,0 +1,141 @@
+"""Fifty people coming and going for half an hour: memory, descriptors and threads must not grow."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import time
+from contextlib import suppress
+from pathlib import Path
+
+from .. import flat, paths
+from ..bench import Result, result
+from ..bench_stack import folder, prepared
+from ..bench_volumes import store_ball
+from ..says import HouseError, say
+from ..users import ordinary_user
+
+ABOUT = "people coming and going, reloading, cut off: memory, descriptors, threads of api and renderd (--minutes, --people)"
+PROGRAMS = ("diaphane-api", "diaphane-renderd", "diaphane-load")
+WATCHED = ("api", "renderd", "redis")
+WARM_UP = 0.25    # of the time: caches fill, the allocator finds its size
+
+# What a series may grow by, measured: share of its level, and at least. In a run too short to say more, only what is worse.
+ALLOWED = {"memory": (0.02, 8.0), "descriptors": (0.05, 4), "threads": (0.05, 2), "device memory": (0.02, 64)}
+ALLOWED_QUICK = {"memory": (0.25, 48.0), "descriptors": (0.5, 40), "threads": (0.1, 4), "device memory": (0.05, 128)}
+UNITS = {"memory": "MB", "descriptors": "", "threads": "", "device memory": "MB"}
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--minutes", type=float, default=30)
+    parser.add_argument("--people", type=int, default=50)
+    parser.add_argument("--scale", type=float, help="of the windows, 160 x 90 to 1280 x 720 (default: 0.2 on the CPU)")
+    parser.add_argument("--engine", choices=("cpu", "cuda"), default="cpu")
+    parser.add_argument("--codec", choices=("jpeg", "h264", "mpeg1"), default="jpeg", help="that viewers prefer")
+    parser.add_argument("--seed", type=int, default=1, help="of what people do")
+    parser.add_argument("--series", type=Path, metavar="FILE", help="write all samples there, as CSV")
+
+
+def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
+    seconds = 36.0 if quick else 60 * options.minutes
+    scale = options.scale or (0.1 if quick else 0.2 if options.engine == "cpu" else 1)
+    with folder(ordinary_user()) as base:
+        stack = prepared(base, options.engine, DIAPHANE_SLOTS=str(2 * options.people))
+        stack.only = ("postgres", "redis", "api", "renderd")
+        with stack:
+            data_set = store_ball(stack)
+            before = descriptors(stack.pids["api"])
+            report, series = _watched(stack, _people(stack, data_set, seconds, scale, options), 0.25 if quick else 2)
+            left = _after(stack, before)
+    if options.series:
+        _write(options.series, series)
+    return results_of(report, series, left, quick)
+
+
+def _people(stack, data_set: str, seconds: float, scale: float, options: argparse.Namespace) -> subprocess.Popen:
+    words = ["--redis", f"127.0.0.1:{stack.ports['redis']}", "--stream-port", stack.ports["stream"],
+             "--public-url", stack.settings.url, "--data-set", data_set, "--people", options.people, "--seconds", seconds,
+             "--act-seconds", 1 if seconds < 120 else 4, "--scale", scale, "--seed", options.seed, "--codec", options.codec]
+    return subprocess.Popen([str(paths.build_dir() / "bin" / "diaphane-load"), "soak", *map(str, words)],
+                            stdout=subprocess.PIPE, text=True)
+
+
+def _watched(stack, people: subprocess.Popen, every: float) -> tuple[dict, dict[tuple[str, str], list[tuple[float, float]]]]:
+    """What the people say at their end, and what the programs held meanwhile: (program, what) -> (seconds, value)."""
+    series: dict[tuple[str, str], list[tuple[float, float]]] = {}
+    pids, begin, next_device = dict(stack.pids), time.monotonic(), 0.0
+    while people.poll() is None:
+        now = time.monotonic() - begin
+        for program in WATCHED:
+            for what, value in held(pids[program]).items():
+                series.setdefault((program, what), []).append((now, value))
+        if now >= next_device:
+            next_device = now + 5
+            for value in _device_memory():
+                series.setdefault(("device", "device memory"), []).append((now, value))
+        with suppress(subprocess.TimeoutExpired):
+            people.wait(every)
+    said = people.stdout.read()
+    if people.returncode != 0:
+        raise HouseError(f"diaphane-load ended with {people.returncode}")
+    if dict(stack.pids) != pids:
+        raise HouseError("a program was started again meanwhile: its log says why it ended")
+    return json.loads(said), series
+
+
+def held(pid: int) -> dict[str, float]:
+    status = Path(f"/proc/{pid}/status").read_text(encoding="ascii", errors="replace")
+    fields = dict(line.split(":", 1) for line in status.splitlines() if ":" in line)
+    return {"memory": int(fields["VmRSS"].split()[0]) * 1024 / 1e6, "threads": int(fields["Threads"]),
+            "descriptors": descriptors(pid)}
+
+
+def descriptors(pid: int) -> int:
+    return len(os.listdir(f"/proc/{pid}/fd"))
+
+
+def _device_memory() -> list[float]:
+    with suppress(OSError, subprocess.SubprocessError, ValueError):
+        done = subprocess.run(["nvidia-smi", "--query-gpu=memory.used", "--format=csv,noheader,nounits"], capture_output=True,
+                              text=True, timeout=10, check=True)
+        return [sum(float(line) for line in done.stdout.split())]
+    return []
+
+
+def _after(stack, before: int) -> int:
+    """Descriptors that api still has more than before anybody came, a while after all have gone."""
+    deadline = time.monotonic() + 10
+    while (left := descriptors(stack.pids["api"]) - before) > 0 and time.monotonic() < deadline:
+        time.sleep(0.2)
+    return max(0, left)
+
+
+def results_of(report: dict, series: dict, left: int, quick: bool) -> list[Result]:
+    say(f"{report['visits']} visits, {report['pictures']} pictures opened, {report['frames']} frames; {report['drags']} drags, "
+        f"{report['reloads']} reloads, {report['cuts']} cuts, {report['hides']} hidden, {report['resizes']} resized; "
+        f"closed by the server: {report['closed'] or 'none'}; refused: {report['refused']}; opening p95 "
+        f"{report['opening_ms']['p95']:.0f} ms")
+    results, allowed = [], ALLOWED_QUICK if quick else ALLOWED
+    for (program, what), samples in sorted(series.items()):
+        samples = samples[int(WARM_UP * len(samples)):]
+        if len(samples) < 2 * flat.BLOCKS:
+            continue
+        verdict = flat.judge([t for t, _ in samples], [v for _, v in samples], *allowed[what])
+        say(f"{program}, {what}: {verdict.word}, level {verdict.level:.1f} {UNITS[what]}, grew by {verdict.growth:+.2f} "
+            f"({verdict.low:+.2f} to {verdict.high:+.2f} with 99%), allowed {verdict.allowed:.2f}")
+        # A short run cannot show that nothing grows; it shows what grows fast.
+        bound = verdict.low if quick else verdict.high
+        results.append(Result(f"{program}: {what} grew by at {'least' if quick else 'most'} (99%)", round(bound, 3), UNITS[what],
+                              0.0, round(verdict.allowed, 3), bound <= verdict.allowed))
+    results.append(result("people without a picture for 30 s", [report["no_picture"]], "", at_most=0))
+    results.append(result("descriptors that api kept", [left], "", at_most=5))
+    results.append(result("frames", [report["frames"]], "", at_least=1))
+    return results
+
+
+def _write(file: Path, series: dict) -> None:
+    lines = ["program,what,seconds,value"]
+    lines += [f"{program},{what},{t:.1f},{value:.3f}" for (program, what), samples in sorted(series.items()) for t, value in samples]
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
