@@ -40,7 +40,7 @@ Json where_the_time_goes(const Seen& seen, const Usage& before, const Usage& aft
 
 Json device(const Usage& before, const Usage& after, double seconds) {
   Json parts;
-  for (const char* part : {"rendering", "scenes", "pictures", "deciding", "idle"}) {
+  for (const char* part : {"busy", "rendering", "scenes", "pictures", "deciding", "idle"}) {
     const std::string name =
         std::string("diaphane_renderd_device_seconds_total{part=\"") + part + "\"}";
     parts[part] = ratio(grown(before.worker, after.worker, name), seconds);
@@ -88,23 +88,24 @@ Json load_report(const CrowdOptions& options, CrowdResult result, const Usage& b
 
 std::string load_heading() {
   return "sessions moving |  p50   p95   p99 ms | frames/s MB/s | render encode wait  send ms | "
-         "device: render scene pict. | cores: renderd gateway viewers";
+         "device: busy render scene pict. | cores: renderd gateway viewers";
 }
 
 std::string load_line(const Json& r) {
   const auto number = [&](const char* a, const char* b) { return r.at(a).at(b).get<double>(); };
   char line[256];
-  std::snprintf(
-      line, sizeof line,
-      "%8d %6d | %5.1f %5.1f %5.1f | %8.1f %4.0f | %6.1f %6.1f %5.1f %5.1f | %14.2f %5.2f %5.2f | "
-      "%14.2f %7.2f %7.2f",
-      r.at("sessions").get<int>(), r.at("moving").get<int>(), number("input_to_frame_ms", "p50"),
-      number("input_to_frame_ms", "p95"), number("input_to_frame_ms", "p99"),
-      r.at("moving_frames_per_second").get<double>(), r.at("megabytes_per_second").get<double>(),
-      number("mean_ms", "render"), number("mean_ms", "encode"),
-      number("mean_ms", "wait_in_renderd"), number("mean_ms", "send"),
-      number("device", "rendering"), number("device", "scenes"), number("device", "pictures"),
-      number("cores", "renderd"), number("cores", "gateway"), number("cores", "viewers"));
+  std::snprintf(line, sizeof line,
+                "%8d %6d | %5.1f %5.1f %5.1f | %8.1f %4.0f | %6.1f %6.1f %5.1f %5.1f | %12.2f "
+                "%6.2f %5.2f %5.2f | "
+                "%14.2f %7.2f %7.2f",
+                r.at("sessions").get<int>(), r.at("moving").get<int>(),
+                number("input_to_frame_ms", "p50"), number("input_to_frame_ms", "p95"),
+                number("input_to_frame_ms", "p99"), r.at("moving_frames_per_second").get<double>(),
+                r.at("megabytes_per_second").get<double>(), number("mean_ms", "render"),
+                number("mean_ms", "encode"), number("mean_ms", "wait_in_renderd"),
+                number("mean_ms", "send"), number("device", "busy"), number("device", "rendering"),
+                number("device", "scenes"), number("device", "pictures"),
+                number("cores", "renderd"), number("cores", "gateway"), number("cores", "viewers"));
   std::string text = line;
   if (r.at("opened") != r.at("sessions")) {
     text += "  only " + std::to_string(r.at("opened").get<int>()) + " opened";

@@ -101,6 +101,7 @@ void Metrics::device(const RunnerTimes& times) {
     prometheus::Counter& counter = impl_->device_seconds.Add({{"part", part}});
     counter.Increment(std::max(0.0, seconds - counter.Value()));
   };
+  tell("busy", times.busy);
   tell("rendering", times.rendering);
   tell("scenes", times.scenes);
   tell("pictures", times.pictures);

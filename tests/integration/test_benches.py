@@ -7,6 +7,8 @@ import json
 import os
 import subprocess
 
+import pytest
+
 from harness import REPO  # puts tools/ on the path
 from house import paths
 
@@ -30,3 +32,24 @@ def test_growth_has_a_row_for_every_size_and_walk(tmp_path):
             assert float(line[figure]) > 0, (figure, line)
     assert any("power of the voxels" in r["name"] for r in json.loads((tmp_path / "results.json").read_text())["results"])
     assert "32 x 32 x 32" in done.stdout
+
+
+def test_load_says_where_the_time_goes(tmp_path):
+    done = bench("load", "--quick", "--json", str(tmp_path / "results.json"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    results = {r["name"].partition(": ")[2]: r["value"] for r in json.loads((tmp_path / "results.json").read_text())["results"]}
+    assert 0 < results["input to frame, p50"] <= results["input to frame, p95"] <= results["input to frame, p99"]
+    whole = results["a frame, from the oldest input that it answers, mean"]
+    parts = sum(results[f"of it {part}"] for part in ("rendering", "encoding", "waiting in renderd", "to renderd and back"))
+    assert parts == pytest.approx(whole, rel=1e-6)
+    assert results["frames of a session that moves"] > 0 and results["device busy"] > 0
+
+
+def test_nothing_grows_fast_while_fifty_people_come_and_go(tmp_path):
+    """The soak's short form, 24 s; the long one is `./diaphane bench soak`."""
+    done = bench("soak", "--quick", "--json", str(tmp_path / "results.json"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    results = json.loads((tmp_path / "results.json").read_text())["results"]
+    watched = {tuple(r["name"].split(" grew")[0].split(": ")) for r in results if " grew by" in r["name"]}
+    assert watched >= {(program, what) for program in ("api", "renderd") for what in ("memory", "descriptors", "threads")}
+    assert all(r["met"] for r in results)

@@ -75,8 +75,9 @@ def results_of(report: dict, repeats: int, bound: float | None) -> list[Result]:
     results += [result(f"{name}: frames of a session that moves", each("moving_frames_per_second"), "1/s"),
                 result(f"{name}: bytes of its frames", each("moving_frame_bytes"), "bytes"),
                 result(f"{name}: sent to all", each("megabytes_per_second"), "MB/s"),
-                result(f"{name}: device rendering", each("device", "rendering"), "of the time"),
-                result(f"{name}: device and pictures", each("device", "pictures"), "of the time")]
+                result(f"{name}: device busy", each("device", "busy"), "of the time")]
+    results += [result(f"{name}: {part}, all lanes together", each("device", part), "of the time")
+                for part in ("rendering", "scenes", "pictures")]
     results += [result(f"{name}: processor, {program}", each("cores", program), "cores")
                 for program in ("renderd", "gateway", "redis", "viewers")]
     if "largest_held" in report:

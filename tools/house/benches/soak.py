@@ -39,7 +39,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
-    seconds = 36.0 if quick else 60 * options.minutes
+    seconds = 24.0 if quick else 60 * options.minutes
     scale = options.scale or (0.1 if quick else 0.2 if options.engine == "cpu" else 1)
     with folder(ordinary_user()) as base:
         stack = prepared(base, options.engine, DIAPHANE_SLOTS=str(2 * options.people))

@@ -1,0 +1,254 @@
+"""What goes wrong between browser and worker (docs/testing.md, "Faults"): who caused it is told, nobody else notices."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+from api_client import person, problem
+from edge_help import connect as connect_raw
+from edge_help import resident_mb
+from house import ports
+from stream_help import ClientMessage, Viewer, new_ticket, open_session, store_ball
+from test_gateway_attacks import frame, handshake
+from test_gateway_stream import PROGRAMS, back_again
+
+SIXTEEN = 16
+
+
+@pytest.fixture(scope="module")
+def running(stack_house):
+    stack = stack_house.open(only=PROGRAMS)
+    yield stack
+    stack_house.shut(stack)
+
+
+@pytest.fixture(scope="module")
+def one(running):
+    return person(running)
+
+
+@pytest.fixture(scope="module")
+def ball(running, one) -> str:
+    return store_ball(running, one, 24)
+
+
+@pytest.fixture
+def opened(running, one, ball):
+    """A session and its first stream URL; ended afterwards."""
+    made = open_session(one, ball)
+    yield made
+    one.http.delete(f"/v1/sessions/{made[0]}")
+
+
+@pytest.fixture
+def unharmed(running, one, ball):
+    """Another person's viewer sees pictures all the while, and at the end."""
+    session, url = open_session(one, ball)
+    viewer = Viewer(running.url, url)
+    viewer.frame()
+    pids = dict(running.pids)
+    yield viewer
+    seq = viewer.turn(5)
+    viewer.frame(condition=lambda shown: shown.input_seq >= seq)
+    viewer.leave()
+    one.http.delete(f"/v1/sessions/{session}")
+    assert running.pids == pids, "a program ended"
+
+
+def test_sixteen_sessions_come_back_with_their_scenes_after_kill_9(stack_factory):
+    stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_SLOTS": str(SIXTEEN)})
+    people = [person(stack), person(stack)]  # eight each: nobody may have more
+    balls = [store_ball(stack, one, 24) for one in people]
+    sessions = [(people[i % 2], *open_session(people[i % 2], balls[i % 2])) for i in range(SIXTEEN)]
+
+    def look(number: int) -> Viewer:
+        viewer = Viewer(stack.url, sessions[number][2], side=32)
+        seq = viewer.turn(10 + number)
+        viewer.frame(timeout=30, condition=lambda shown: shown.input_seq >= seq)
+        return viewer
+
+    with ThreadPoolExecutor(SIXTEEN) as together:
+        viewers = list(together.map(look, range(SIXTEEN)))
+        time.sleep(1)  # a scene is kept at most 200 ms later
+        begun = time.monotonic()
+        stack.kill("renderd")
+
+        def come_back(number: int) -> Viewer:
+            assert viewers[number].close_code() == 4503
+            somebody, session, _ = sessions[number]
+            return back_again(stack, somebody, session, 15)
+
+        for viewer, again in zip(viewers, together.map(come_back, range(SIXTEEN))):
+            assert again.config.scene == viewer.config.scene
+            assert again.config.input_seq == viewer.input_seq
+            again.leave()
+    print(f"all sixteen back after {time.monotonic() - begun:.2f} s")
+
+
+def test_a_second_worker_of_a_name_is_refused_and_the_first_goes_on(running, unharmed):
+    program = running.stack.running_["renderd"].program
+    free = ports.random_free()
+    grpc, admin = free["grpc"], free["renderd-admin"]
+    env = {**program.env, "DIAPHANE_GRPC_PORT": str(grpc), "DIAPHANE_ADVERTISE": f"127.0.0.1:{grpc}",
+           "DIAPHANE_ADMIN_PORT": str(admin)}
+    second = subprocess.Popen(program.argv, env=env, stderr=subprocess.PIPE, text=True)
+    incarnations, key = set(), "diaphane:worker:local"
+    try:
+        deadline = time.monotonic() + 20
+        while second.poll() is None and time.monotonic() < deadline:
+            incarnations.add(running.redis.hget(key, "incarnation"))
+            time.sleep(0.1)
+        assert second.wait(1) == 78
+        said = second.stderr.read()
+        assert "another renderd of this name lives at 127.0.0.1:" in said, said
+        assert len(incarnations) == 1, "the name went to and fro"
+    finally:
+        if second.poll() is None:
+            second.kill()
+
+
+def test_ten_thousand_scenes_a_second_close_that_stream_alone(running, opened, unharmed):
+    viewer = Viewer(running.url, opened[1])
+    viewer.frame()
+    update = ClientMessage()
+    update.scene.scene.CopyFrom(viewer.config.scene)
+    sending = threading.Event()
+
+    def flood():
+        try:
+            for number in range(10_000):
+                update.scene.input_seq = viewer.input_seq + 1 + number
+                viewer.socket.send(update.SerializeToString())
+        except Exception:  # noqa: BLE001 - closed: that is the point
+            pass
+        sending.set()
+
+    thread = threading.Thread(target=flood)
+    thread.start()
+    assert viewer.close_code(20) == 4429
+    thread.join()
+    assert sending.is_set()
+
+
+def test_a_hundred_megabytes_in_one_message_are_never_held(running, one, opened, unharmed):
+    before = resident_mb(running.pids["api"])
+    with connect_raw(running.ports["stream"], timeout=10) as raw:
+        raw.sendall(handshake(running.url, opened[1][-64:]))
+        assert raw.recv(4096).startswith(b"HTTP/1.1 101 ")
+        time.sleep(0.2)
+        sent = 0
+        try:
+            raw.sendall(frame(2, b"", length=100 << 20))
+            while sent < 100 << 20:
+                sent += raw.send(b"\0" * (1 << 20))
+        except OSError:
+            pass
+        assert sent < 50 << 20, "it was read to the end"
+    assert resident_mb(running.pids["api"]) - before < 20
+
+
+def test_half_a_message_waits_for_the_rest_and_harms_nobody(running, opened, unharmed):
+    files = f"/proc/{running.pids['api']}/fd"
+    before = len(os.listdir(files))
+    with connect_raw(running.ports["stream"], timeout=5) as raw:
+        raw.sendall(handshake(running.url, opened[1][-64:]))
+        assert raw.recv(4096).startswith(b"HTTP/1.1 101 ")
+        raw.sendall(frame(2, b"x" * 400, length=1000))  # then the line is cut
+        time.sleep(0.3)
+        seq = unharmed.turn(1)
+        unharmed.frame(condition=lambda shown: shown.input_seq >= seq)
+    running.wait_until(lambda: len(os.listdir(files)) <= before + 2, 5, "its descriptors to be given back")
+
+
+def test_half_a_protobuf_closes_the_stream_and_the_session_stays(running, one, opened, unharmed):
+    viewer = Viewer(running.url, opened[1])
+    seq = viewer.turn(12)
+    viewer.frame(condition=lambda shown: shown.input_seq >= seq)
+    update = ClientMessage()
+    update.scene.input_seq = seq + 1
+    update.scene.scene.CopyFrom(viewer.config.scene)
+    whole = update.SerializeToString()
+    viewer.socket.send(whole[:len(whole) // 2])
+    assert viewer.close_code() == 4400
+    again = Viewer(running.url, new_ticket(one, opened[0]))
+    assert again.config.scene == viewer.config.scene
+    again.leave()
+
+
+def test_old_epochs_and_numbers_that_never_were_change_nothing(running, opened, unharmed):
+    viewer = Viewer(running.url, opened[1])
+    seq = viewer.turn(15)
+    shown = viewer.frame(condition=lambda picture: picture.input_seq >= seq)
+    for number, epoch in ((0, 0), (1, 1), (2**63, 0), (shown.seq, shown.epoch - 1), (shown.seq - 1, 2**64 - 1)):
+        message = ClientMessage()
+        message.ack.seq, message.ack.epoch = number, epoch
+        viewer.send(message)
+    stale = ClientMessage()
+    stale.scene.input_seq = seq  # the number of before
+    stale.scene.scene.CopyFrom(viewer.config.scene)
+    stale.scene.scene.camera.eye.x += 500
+    viewer.send(stale)
+    after = viewer.turn(1)
+    newer = viewer.frame(condition=lambda picture: picture.input_seq >= after)
+    assert newer.epoch > shown.epoch
+    viewer.leave()
+
+
+def test_a_stream_address_is_of_no_use_to_another_person_nor_twice_nor_late(running, one, ball, opened, unharmed):
+    other = person(running)
+    problem(other.http.post(f"/v1/sessions/{opened[0]}/tickets"), 404, "not-found")
+    assert other.http.delete(f"/v1/sessions/{opened[0]}").status_code == 404
+
+    viewer = Viewer(running.url, opened[1])
+    viewer.frame()
+    assert Viewer(running.url, opened[1], greet=False).close_code() == 4401, "used"
+
+    late = new_ticket(one, opened[0])
+    key = f"diaphane:ticket:{late[-64:]}"
+    assert 0 < running.redis.ttl(key) <= 30
+    running.redis.pexpire(key, 1)
+    time.sleep(0.01)
+    assert Viewer(running.url, late, greet=False).close_code() == 4401, "too old"
+    seq = viewer.turn(3)
+    viewer.frame(condition=lambda shown: shown.input_seq >= seq)
+    viewer.leave()
+
+
+FAKETIME = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1"
+
+
+def test_jumps_of_the_wall_clock_end_no_stream_and_keep_nobody_out(stack_factory, stack_house):
+    """Of all programs at once, Redis and Postgres among them; the clock for intervals goes on as ever."""
+    offset = stack_house.folder() / "offset"
+    offset.write_text("+0\n")
+    offset.chmod(0o644)
+    stack = stack_factory(only=PROGRAMS, extra_env={
+        "LD_PRELOAD": FAKETIME, "FAKETIME_TIMESTAMP_FILE": str(offset), "FAKETIME_NO_CACHE": "1",
+        "FAKETIME_DONT_FAKE_MONOTONIC": "1"})
+    somebody = person(stack)
+    ball = store_ball(stack, somebody, 24)
+    session, url = open_session(somebody, ball)
+    viewer = Viewer(stack.url, url)
+    viewer.frame()
+    pids = dict(stack.pids)
+    for jump in (3600, -3600):  # an hour on, an hour before the true time
+        before = stack.redis.time()[0] - time.time()
+        offset.write_text(f"{jump:+d}\n")
+        stack.wait_until(lambda: abs(stack.redis.time()[0] - time.time() - before) > 1800, 5, "the clock to have jumped")
+        begun = time.monotonic()
+        while time.monotonic() - begun < 5:  # past what a heartbeat and two looks at it take
+            seq = viewer.turn(1)
+            viewer.frame(condition=lambda shown, seq=seq: shown.input_seq >= seq)
+            time.sleep(0.2)
+        _, url = open_session(somebody, ball)
+        another = Viewer(stack.url, url)
+        another.frame()
+        another.leave()
+    viewer.leave()
+    back_again(stack, somebody, session, 5).leave()
+    assert dict(stack.pids) == pids
