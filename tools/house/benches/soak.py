@@ -10,7 +10,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from .. import flat, paths
+from .. import flat, logfiles, paths
 from ..bench import Result, result
 from ..bench_stack import folder, prepared
 from ..bench_volumes import store_ball
@@ -69,7 +69,13 @@ def _watched(stack, people: subprocess.Popen, every: float) -> tuple[dict, dict[
     while people.poll() is None:
         now = time.monotonic() - begin
         for program in WATCHED:
-            for what, value in held(pids[program]).items():
+            try:
+                measured = held(pids[program])
+            except (OSError, KeyError) as gone:  # also a process that is just ending has no memory any more
+                people.kill()
+                raise HouseError(f"{program} ended after {now:.0f} s; the end of its log:\n"
+                                 + logfiles.tail(stack.log_path(program), 30)) from gone
+            for what, value in measured.items():
                 series.setdefault((program, what), []).append((now, value))
         if now >= next_device:
             next_device = now + 5
