@@ -47,7 +47,7 @@ void LiveSession::change_camera(std::uint64_t connection, bool own) {
       send(connection, message);
     } else if (!receiver || link == links_.end() || ended_ ||
                (own && state_.audience.presents(*receiver))) {
-      unused = *made;  // it left, or became the presenter, meanwhile
+      if (own) unused = *made;  // it left, or became the presenter, meanwhile
     } else if (own) {
       const auto there = (*made)->attach(link->second, {receiver->participant, receiver->name, {}},
                                          (*made)->placement());

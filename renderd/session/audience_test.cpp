@@ -233,6 +233,30 @@ TEST_F(AudienceTest, ASecondConnectionOfOneParticipantReplacesTheFirstAndNobodyE
   EXPECT_FALSE(say(ann, turned(1)).problem) << "what the old one still says is not heard";
 }
 
+TEST_F(AudienceTest, WhoComesBackFromHisOwnCameraIsSentEverythingAnew) {
+  const auto owner = join(std::string(kOwner));
+  const auto ann = join(kAnn);
+  began(state, 1, state.wanted);
+  acknowledge(show(), owner);
+  show();  // two on their way to her
+  const Outcome asked = say(ann, [] {
+    v1::ClientMessage message;
+    message.mutable_own_camera()->set_on(true);
+    return message;
+  }());
+  EXPECT_EQ(asked.own_camera, true);
+  use_own_camera(state, *state.audience.find(ann), true, now);
+  acknowledge(show(), owner);
+  EXPECT_EQ(show().count(ann), 0U) << "nothing of this session goes to her meanwhile";
+  EXPECT_EQ(say(owner, handover(kAnn)).problem->code(), "conflict");
+  use_own_camera(state, *state.audience.find(ann), false, now);
+  EXPECT_TRUE(state.wanted.picture_again);
+  say(owner, ack(state.audience.find(owner)->flight.sent()));
+  const auto got = show();
+  ASSERT_EQ(got.count(ann), 1U);
+  EXPECT_EQ(got.at(ann), 1U) << "counted anew, with all the room that a new viewer has";
+}
+
 TEST_F(AudienceTest, AFollowerIsToldTheSceneWithThePictureOfIt) {
   const auto owner = join(std::string(kOwner));
   const auto ann = join(kAnn);

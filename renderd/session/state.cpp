@@ -338,6 +338,9 @@ void use_own_camera(SessionState& state, Receiver& receiver, bool on, TimePoint 
   if (on) return;
   // As if it had just come: Config says that the frames count anew.
   receiver.flight = {};
+  receiver.path = {};
+  receiver.tiles_sent = 0;
+  receiver.lossless_told = false;
   receiver.sent_epoch = 0;
   receiver.shown.reset();
   receiver.converged_told = false;

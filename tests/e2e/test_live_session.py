@@ -9,24 +9,18 @@ from playwright.sync_api import Page, expect
 from harness import TestStack
 from person import Person
 from picture import difference, drag, facts, pixels, spread, wait_for_samples
+from test_pages import check_page
 
 
 def same_picture(stack: TestStack, a: Page, b: Page) -> None:
-    """Both show one picture: of one epoch, and alike where the noise is averaged away."""
+    """Both show one picture: the same samples of one epoch, and alike where the codec's noise is averaged away."""
 
     def alike() -> bool:
         one, other = facts(a), facts(b)
         a.wait_for_timeout(50)
-        return one.samples >= 8 and one.epoch == other.epoch and difference(pixels(a), pixels(b)) < 3
+        return one == other and one.samples > 0 and difference(pixels(a), pixels(b)) < 3
 
     stack.wait_until(alike, timeout=60, what="one picture in both browsers")
-
-
-def axe_clean(page: Page) -> None:
-    # Names and roles, as a screen reader has them: every control says what it is.
-    unnamed = page.evaluate("""() => [...document.querySelectorAll("button, a, input, select")]
-        .filter((e) => e.offsetParent !== null && !(e.ariaLabel || e.innerText.trim() || e.labels?.length)).length""")
-    assert unnamed == 0
 
 
 def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, visit, cranium: Path, pictures: Path):
@@ -38,13 +32,20 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     owner.get_by_role("button", name="Share the picture").click()
     owner.get_by_role("button", name="Make a link").click()
     link = owner.get_by_label("The link to give away").input_value()
-    axe_clean(owner)
+    check_page(owner)
+
+    # The keyboard alone comes as far: the dialog keeps the focus, Escape closes it and gives the focus back.
+    owner.keyboard.press("Escape")
+    expect(owner.get_by_role("button", name="Share the picture")).to_be_focused()
+    owner.keyboard.press("Enter")
+    expect(owner.get_by_role("dialog")).to_be_visible()
 
     # Another browser: other cookies, no account.
     follower = visit()
     follower.goto(link)
     follower.get_by_label("Your name, for who else is there").fill("Bob")
     follower.screenshot(path=pictures / "live-join.png")
+    check_page(follower)
     follower.get_by_role("button", name="Join", exact=True).click()
     expect(follower.locator("canvas[data-samples]")).to_be_visible(timeout=30_000)
     expect(follower.get_by_text("Owner presents")).to_be_visible()
@@ -67,7 +68,7 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     follower.wait_for_timeout(700)
     assert facts(owner).epoch == settled
     follower.screenshot(path=pictures / "live-follower.png")
-    axe_clean(follower)
+    check_page(follower)
 
     # A phone has another shape: it shows all that the presenter sees.
     phone = visit(phone=True)
@@ -76,6 +77,7 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     expect(phone.get_by_text("Owner presents")).to_be_visible(timeout=30_000)
     wait_for_samples(stack, phone, 1)
     phone.screenshot(path=pictures / "live-phone.png")
+    check_page(phone)
     phone.close()
 
     # The role goes over; what was the presenter follows, and no picture of before comes back.
@@ -124,6 +126,7 @@ def test_interaction_is_recorded_only_with_consent_and_can_be_taken_back(stack: 
     expect(switch).not_to_be_checked()
     switch.check()
     page.screenshot(path=pictures / "recording.png")
+    check_page(page)
     page.get_by_role("dialog").get_by_role("button", name="Close").click()
     drag(page, 150, 40)
     page.wait_for_timeout(300)
