@@ -93,7 +93,9 @@ class SlowNetwork:
     """Runs in a thread of its own until it is closed."""
 
     def __init__(self, target_port: int, round_trip_s: float = 0.0, bits_per_s: float = 0.0,
-                 buffer_bytes: int = 32 << 10, loss: float = 0.0, seed: int = 1):
+                 buffer_bytes: int = 32 << 10, loss: float = 0.0, seed: int = 1, socks: bool = False):
+        """`socks`: a browser is led here by --proxy-server=socks5://..., and every address it asks for is the target."""
+        self.socks = socks
         self.link = Link(round_trip_s, bits_per_s, buffer_bytes, loss)
         self.target_port = target_port
         self.to_viewer, self.to_server = Counts(), Counts()
@@ -129,7 +131,20 @@ class SlowNetwork:
         self.loop_.run_until_complete(self.loop_.shutdown_asyncgens())
         self.loop_.close()
 
+    @staticmethod
+    async def _greet(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """SOCKS 5 without a password: the methods, then the address, of which only the length matters."""
+        _, methods = await reader.readexactly(2)
+        await reader.readexactly(methods)
+        writer.write(b"\5\0")
+        *_, kind = await reader.readexactly(4)
+        length = {1: 4, 4: 16}.get(kind) or (await reader.readexactly(1))[0]
+        await reader.readexactly(length + 2)
+        writer.write(b"\5\0\0\1" + bytes(6))
+
     async def _viewer(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        if self.socks:
+            await self._greet(reader, writer)
         upstream = socket.socket()
         upstream.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, SOCKET_BUFFER)
         upstream.setblocking(False)

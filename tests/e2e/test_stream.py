@@ -147,3 +147,31 @@ def test_a_decoder_that_keeps_failing_is_left_for_the_next_codec(quick: TestStac
     assert heard_codecs(page) == {1, 2}  # H.264 first, then JPEG
     turn(page)
     lossless(quick, page, 1)
+
+
+def test_far_away_the_picture_follows_a_hand_and_its_end_is_exact(quick: TestStack, browser: Browser, anna):
+    """100 ms there and back, 2 Mbit/s, as a browser sees it. How long, in numbers: tests/integration/test_slow_network.py."""
+    scan, cookies = anna
+    with SlowNetwork(quick.ports["edge"], round_trip_s=0.1, bits_per_s=2e6, socks=True) as network:
+        # The address that the page sees stays the public one; only this browser is led another way.
+        way = [f"--proxy-server=socks5://127.0.0.1:{network.port}", "--proxy-bypass-list=<-loopback>"]
+        far = browser.browser_type.launch(executable_path=chromium.path(), args=[*chromium.ARGS, *way])
+        context = far.new_context(viewport={"width": 480, "height": 320})
+        context.add_cookies(cookies)
+        page = context.new_page()
+        for script in HEARING:
+            page.add_init_script(path=script)
+        page.goto(f"{quick.url}/view/{scan}")
+        wait_for_samples(quick, page, 1)
+        assert network.to_viewer.bytes > 100_000  # the page itself came this way
+        shown = set()
+        for _ in range(20):
+            turn(page)
+            page.wait_for_timeout(100)
+            shown.add(facts(page).input_seq)
+        assert len(shown) >= 5  # it followed: not only the end was seen
+        last = facts(page).input_seq
+        lossless(quick, page, max(20, last))
+        assert check_every_pixel(page) == 4
+        assert heard_codecs(page) == {2}
+        far.close()

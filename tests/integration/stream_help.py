@@ -67,7 +67,8 @@ def new_ticket(person: Person, session: str) -> str | None:
 class Viewer:
     """Speaks diaphane.v1 as the page does: greets, acknowledges each frame, sends scenes."""
 
-    def __init__(self, origin: str, stream_url: str, side: int = 96, greet: bool = True, port: int | None = None):
+    def __init__(self, origin: str, stream_url: str, side: int = 96, greet: bool = True, port: int | None = None,
+                 codec: int = 1):
         base = f"ws://127.0.0.1:{port}" if port else origin.replace("http", "ws", 1)
         self.socket = connect(base + stream_url, origin=origin, subprotocols=["diaphane.v1"], compression=None,
                               max_size=None, open_timeout=10, close_timeout=2)
@@ -76,7 +77,7 @@ class Viewer:
         if greet:
             hello = ClientMessage()
             hello.hello.protocol = 1
-            hello.hello.codecs.append(1)
+            hello.hello.codecs.append(codec)
             hello.hello.pixel_ratio = 1
             hello.hello.viewport.width = hello.hello.viewport.height = side
             self.send(hello)

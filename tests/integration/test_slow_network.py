@@ -19,6 +19,7 @@ BITS_PER_S = 2e6
 BUFFER = 32 << 10
 SIDE = 480
 INPUTS_PER_S = 20
+JPEG, H264 = 1, 2
 
 
 @pytest.fixture(scope="module")
@@ -68,13 +69,14 @@ def drag(viewer: Viewer, seconds: float) -> Drag:
     return seen
 
 
-@pytest.mark.parametrize(("bits_per_s", "loss"), [(BITS_PER_S, 0.0), (BITS_PER_S, 0.02), (BITS_PER_S / 5, 0.0)])
-def test_far_away_the_picture_follows_and_its_lag_never_grows(stack: TestStack, bits_per_s: float, loss: float):
+@pytest.mark.parametrize(("bits_per_s", "loss", "codec"),
+                         [(BITS_PER_S, 0.0, H264), (BITS_PER_S, 0.02, H264), (BITS_PER_S / 5, 0.0, JPEG)])
+def test_far_away_the_picture_follows_and_its_lag_never_grows(stack: TestStack, bits_per_s: float, loss: float, codec: int):
     person = Person(stack).sign_up().sign_in()
     session, url = open_session(person, store_ball(stack, person))
     with SlowNetwork(stack.ports["edge"], ROUND_TRIP_S, bits_per_s, BUFFER, loss) as network:
-        viewer = Viewer(stack.url, url, side=SIDE, port=network.port)
-        viewer.frame()
+        viewer = Viewer(stack.url, url, side=SIDE, port=network.port, codec=codec)
+        assert viewer.frame().codec == codec
         seen = drag(viewer, 5)
         viewer.leave()
     print(f"{len(seen.sent)} inputs, {len(seen.ages)} frames, the largest {seen.largest} bytes; "
