@@ -47,6 +47,7 @@ class CompositeRenderer final : public FrameRenderer {
   Result<void> radiance(PictureRgbF& out) override { return own_->radiance(out); }
   Result<void> contents(std::vector<std::uint8_t>& out) override { return own_->contents(out); }
   void prepare_denoising(bool wanted) override;
+  void hurry(bool urgent) override { own_->hurry(urgent); }
   Result<bool> display_denoised(PictureRgb8& out) override { return own_->display_denoised(out); }
   Result<bool> radiance_denoised(PictureRgbF& out) override { return own_->radiance_denoised(out); }
   std::vector<std::string> features() const override { return own_->features(); }

@@ -83,19 +83,27 @@ Result<std::uint64_t> ExactWorkspace::reserve(const ExactNeeds& needs, std::uint
   return memories_[0].reserve(needs, items, least);
 }
 
+// Whether it has room, which is made where that can be.
+bool ExactWorkspace::serves(std::size_t memory, const ExactNeeds& needs, std::uint64_t items) {
+  if (memories_[memory].room(needs) >= items) return true;
+  if (items >= refused_[memory]) return false;
+  const auto made = memories_[memory].reserve(needs, items, items);
+  if (made && *made >= items) return true;
+  refused_[memory] = items;
+  return false;
+}
+
 // Its own of the last time, or one that nobody uses; else the second, where it can be had.
 ExactMemory& ExactWorkspace::chosen(const ExactNeeds& needs, std::uint64_t items,
                                     cudaStream_t stream) {
-  auto& [first, second] = memories_;
-  const bool second_serves = second.room(needs) >= items;
+  auto& [first, second, urgent] = memories_;
   if (first.last() == stream || first.idle()) return first;
-  if (second_serves && (second.last() == stream || second.idle())) return second;
-  if (second_serves) return (turns_++ & 1) != 0 ? second : first;
-  if (items >= refused_) return first;
-  const auto made = second.reserve(needs, items, items);
-  if (made && *made >= items) return second;
-  refused_ = items;
-  return first;
+  int priority = 0;  // the smaller, the more urgent
+  const bool hurries = cudaStreamGetPriority(stream, &priority) == cudaSuccess && priority < 0;
+  if (hurries && serves(kUrgent, needs, items)) return urgent;
+  if (!serves(kSecond, needs, items)) return first;
+  if (second.last() == stream || second.idle()) return second;
+  return (turns_++ & 1) != 0 ? second : first;
 }
 
 Result<void> ExactWorkspace::use(const ExactNeeds& needs, std::uint64_t items, cudaStream_t stream,
@@ -109,7 +117,9 @@ Result<void> ExactWorkspace::use(const ExactNeeds& needs, std::uint64_t items, c
 
 std::uint64_t ExactWorkspace::device_bytes() const {
   const std::scoped_lock lock(mutex_);
-  return memories_[0].bytes() + memories_[1].bytes();
+  std::uint64_t bytes = 0;
+  for (const ExactMemory& memory : memories_) bytes += memory.bytes();
+  return bytes;
 }
 
 }  // namespace diaphane::render::cuda

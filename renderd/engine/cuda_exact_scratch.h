@@ -57,10 +57,14 @@ class ExactMemory {
 };
 
 /// Working memory of the exact walk for all sessions of a device, each in a stream of its own.
-/// There are two: one session's camera rays are walked while another's last rays to the lights are.
+/// There are two, so that one session's camera rays are walked while another's last rays to the
+/// lights are; and one for urgent streams, which would else wait behind what the others have
+/// queued.
 class ExactWorkspace {
  public:
   using Launch = std::function<cudaError_t(const ExactScratch&)>;
+
+  ExactWorkspace() { refused_.fill(std::numeric_limits<std::uint64_t>::max()); }
 
   /// Makes room for `items`, and for no fewer than `least` where memory is short: for how many
   /// there is. Half of what is free is left to pictures. kOutOfMemory harms nothing.
@@ -76,8 +80,11 @@ class ExactWorkspace {
   ExactMemory& chosen(const ExactNeeds& needs, std::uint64_t items, cudaStream_t stream);
 
   mutable std::mutex mutex_;
-  std::array<ExactMemory, 2> memories_;  ///< the second only once two sessions launched at once
-  std::uint64_t refused_ = std::numeric_limits<std::uint64_t>::max();  ///< items, for the second
+  static constexpr std::size_t kSecond = 1, kUrgent = 2;
+  bool serves(std::size_t memory, const ExactNeeds& needs, std::uint64_t items);
+
+  std::array<ExactMemory, 3> memories_;   ///< all but the first only once they are of use
+  std::array<std::uint64_t, 3> refused_;  ///< items that there was no memory for
   std::uint64_t turns_ = 0;
 };
 

@@ -126,9 +126,13 @@ class Stream {
   ~Stream() {
     if (stream_ != nullptr) cudaStreamDestroy(stream_);
   }
-  static Result<Stream> make() {
+  /// `urgent`: its kernels begin before those that other streams have waiting.
+  static Result<Stream> make(bool urgent = false) {
     Stream stream;
-    DIAPHANE_CUDA_TRY(cudaStreamCreateWithFlags(&stream.stream_, cudaStreamNonBlocking));
+    int least = 0, greatest = 0;
+    DIAPHANE_CUDA_TRY(cudaDeviceGetStreamPriorityRange(&least, &greatest));
+    DIAPHANE_CUDA_TRY(cudaStreamCreateWithPriority(&stream.stream_, cudaStreamNonBlocking,
+                                                   urgent ? greatest : least));
     return stream;
   }
   cudaStream_t get() const { return stream_; }

@@ -31,7 +31,10 @@ Result<std::unique_ptr<FrameRenderer>> CudaRenderer::make(std::shared_ptr<const 
       new CudaRenderer(std::move(volume), std::move(shares), seed, first_sample, method));
   auto stream = Stream::make();
   if (!stream) return tl::unexpected(stream.error());
+  auto urgent = Stream::make(true);
+  if (!urgent) return tl::unexpected(urgent.error());
   renderer->stream_ = std::move(*stream);
+  renderer->other_stream_ = std::move(*urgent);
   for (Event& event : renderer->events_) {
     auto made = Event::make();
     if (!made) return tl::unexpected(made.error());
@@ -106,6 +109,16 @@ LightArrays CudaRenderer::light_arrays() const {
   arrays.texels = tables_.texels.data();
   arrays.rows = tables_.texture_rows.data();
   return arrays;
+}
+
+void CudaRenderer::hurry(bool urgent) {
+  if (urgent == urgent_) return;
+  use_device();
+  // What is queued on the one is done before anything begins on the other. A device that is lost
+  // says so at the next call that can.
+  (void)cudaStreamSynchronize(stream_.get());
+  std::swap(stream_, other_stream_);
+  urgent_ = urgent;
 }
 
 Result<void> CudaRenderer::set_scene(const diaphane::v1::Scene& scene, Canvas canvas) {

@@ -40,6 +40,7 @@ class CudaRenderer : public FrameRenderer {
   Result<void> radiance(PictureRgbF& out) override;
   Result<void> contents(std::vector<std::uint8_t>& out) override;
   void prepare_denoising(bool wanted) override { guided_ = wanted; }
+  void hurry(bool urgent) override;
   Result<void> set_share(const Share& share) override;
   Result<bool> take_film(FilmPart& out) override;
   Result<void> merge_film(const FilmPart& part) override;
@@ -109,6 +110,8 @@ class CudaRenderer : public FrameRenderer {
   Method method_;
   Share share_;
   Stream stream_;
+  Stream other_stream_;  ///< of the other urgency
+  bool urgent_ = false;
   std::array<Event, kAhead + 1> events_;
 
   diaphane::v1::Scene scene_;

@@ -87,6 +87,9 @@ class FrameRenderer {
   /// From the next scene on: the first samples also record what the two functions below need. Costs
   /// some of their speed and 16 bytes a pixel; without it they show the raw picture.
   virtual void prepare_denoising(bool) {}
+  /// Whether somebody waits for what comes next (a first picture): it goes before what other
+  /// renderers of the device have waiting, where the device can do that.
+  virtual void hurry(bool) {}
   /// As display() and radiance(), smoothed as far as that makes the error less (film/denoise.h):
   /// the first pictures are, converged ones are not. False: it is the raw picture. Neither changes
   /// what is accumulated, nor the error that progress() tells, which is the raw picture's.

@@ -20,7 +20,7 @@ struct CanvasQuestion {
 inline constexpr double kMovingSampleSeconds = 0.08;
 /// Where several move, one picture of each should take no longer than one of them alone does, but
 /// need not be shorter than this: a picture for everybody within 33 ms, and a third for the others.
-inline constexpr double kSharedSeconds = 0.023;
+inline constexpr double kSharedSeconds = 0.016;
 /// For the others' sake a side is made smaller by this at most.
 inline constexpr double kSmallestShare = 0.5;
 /// Input rests after this long: the full size is rendered.

@@ -357,6 +357,7 @@ void Runner::rendered(Turn& turn) {
 bool Runner::render(Turn& turn, Signs::Work& signs) {
   Track& track = *turn.track;
   Ledger& ledger = track.ledger;
+  track.renderer->hurry(ledger.stale() || ledger.samples_shown() == 0);
   if (ledger.stale()) {
     const Time start = clock_.now();
     const double filled = fill_seconds(start);
