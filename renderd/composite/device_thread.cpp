@@ -54,7 +54,9 @@ class DeviceThread::Job {
     const auto stop = [&] { return stopping || gone_ || version_ != applied_; };
     auto samples = static_cast<std::uint32_t>(
         per_sample_ > 0 ? std::clamp(kTurnSeconds / per_sample_, 1.0, kMostSamples) : 1);
-    samples += (held_ + samples) % 2;  // parts are of pairs
+    // Somebody waits for the first pair, and parts are of pairs.
+    if (delivered_ == 0 && held_ < 2) samples = 2;
+    samples += (held_ + samples) % 2;
     const auto batch = renderer_->render(samples, stop);
     if (!batch) return fail();
     held_ += batch->samples;
@@ -90,13 +92,13 @@ class DeviceThread::Job {
   bool hand_over() {
     const auto begin = Clock::now();
     AssistPart part;
-    const auto taken = renderer_->take_film(part.film);
+    const auto taken = renderer_->take_film_here(part.film);
     if (!taken) return fail();
     if (!*taken) return true;
     part.epoch = current_.epoch;
     part.sequence = current_.share.sequence;
     part.seconds = seconds_;
-    part.bytes = part.film.pixels.size() * sizeof(PackedPixel);
+    part.bytes = std::uint64_t{part.film.width} * part.film.rows * sizeof(PackedPixel);
     delivered_ += held_;
     held_ = 0;
     seconds_ = 0;

@@ -89,7 +89,7 @@ bool CpuFilm::take(FilmPart& out) {
 }
 
 Result<void> CpuFilm::merge(const FilmPart& part) {
-  if (!fits(part, size_)) {
+  if (!fits(part, size_) || part.on_device) {
     return fail(ErrorCode::kInvalid, "this part is of another picture", "part");
   }
   const FilmView film{sum_.data(), difference_.data(), state_.data()};

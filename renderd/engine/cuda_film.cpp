@@ -1,6 +1,10 @@
 #include "renderd/engine/cuda_film.h"
 
+#include <atomic>
 #include <limits>
+#include <mutex>
+#include <set>
+#include <utility>
 #include <vector>
 
 namespace diaphane::render::cuda {
@@ -8,6 +12,20 @@ namespace {
 
 /// Pixels whose radiance is made at a time: 12 bytes each, only while it is made.
 constexpr std::uint64_t kRadiancePixels = 1 << 18;
+
+/// Device `here`, the current one, reads from `there` without the host where it can; where it
+/// cannot, CUDA copies by way of the host.
+void allow_access(int here, int there) {
+  static std::mutex mutex;
+  static std::set<std::pair<int, int>> asked;
+  const std::scoped_lock lock(mutex);
+  if (!asked.emplace(here, there).second) return;
+  int can = 0;
+  if (cudaDeviceCanAccessPeer(&can, here, there) != cudaSuccess || can == 0 ||
+      cudaDeviceEnablePeerAccess(there, 0) != cudaSuccess) {
+    (void)cudaGetLastError();
+  }
+}
 
 }  // namespace
 
@@ -103,18 +121,29 @@ Result<void> CudaFilm::set_share(const Share& share) {
   return {};
 }
 
-Result<bool> CudaFilm::take(FilmPart& out, cudaStream_t stream) {
+bool CudaFilm::describe(FilmPart& out) const {
   if (!settled() || rows_.least() == taken_) return false;
-  const std::uint64_t first = std::uint64_t{canvas_.width} * first_row_;
-  const std::uint64_t count = std::uint64_t{canvas_.width} * rows_.rows();
-  DIAPHANE_TRY(ensure(packed_, count));
   out.width = canvas_.width;
   out.first_row = first_row_;
   out.rows = rows_.rows();
   out.samples = rows_.least() - taken_;
+  return true;
+}
+
+Result<void> CudaFilm::pack(const FilmPart& part, PackedPixel* to, cudaStream_t stream) {
+  DIAPHANE_CUDA_TRY(pack_film({sum_.data(), difference_.data(), state_.data()},
+                              std::uint64_t{part.width} * part.first_row,
+                              std::uint64_t{part.width} * part.rows, part.samples, to, stream));
+  return {};
+}
+
+Result<bool> CudaFilm::take(FilmPart& out, cudaStream_t stream) {
+  if (!describe(out)) return false;
+  const std::size_t count = std::size_t{out.width} * out.rows;
+  DIAPHANE_TRY(ensure(packed_, count));
+  out.on_device = nullptr;
   out.pixels.resize(count);
-  DIAPHANE_CUDA_TRY(pack_film({sum_.data(), difference_.data(), state_.data()}, first, count,
-                              out.samples, packed_.data(), stream));
+  DIAPHANE_TRY(pack(out, packed_.data(), stream));
   DIAPHANE_TRY(read_back(reinterpret_cast<std::uint8_t*>(out.pixels.data()),
                          reinterpret_cast<const std::uint8_t*>(packed_.data()),
                          count * sizeof(PackedPixel), stream));
@@ -122,15 +151,51 @@ Result<bool> CudaFilm::take(FilmPart& out, cudaStream_t stream) {
   return true;
 }
 
+Result<bool> CudaFilm::take_here(FilmPart& out, cudaStream_t stream) {
+  if (!describe(out)) return false;
+  const std::size_t count = std::size_t{out.width} * out.rows;
+  // The one before may still be merged; the one before that is not.
+  auto part = handed_[0] && handed_[0].use_count() == 1 ? handed_[0] : handed_[1];
+  if (!part || part.use_count() > 2) part = std::make_shared<PackedPart>();
+  std::atomic_thread_fence(std::memory_order_acquire);
+  DIAPHANE_CUDA_TRY(cudaGetDevice(&part->device));
+  DIAPHANE_TRY(ensure(part->pixels, count));
+  DIAPHANE_TRY(pack(out, part->pixels.data(), stream));
+  DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream));
+  if (part != handed_[0]) handed_[1] = part;
+  std::swap(handed_[0], handed_[1]);
+  out.pixels.clear();
+  out.on_device = std::move(part);
+  taken_ = rows_.least();
+  return true;
+}
+
 Result<void> CudaFilm::merge(const FilmPart& part, cudaStream_t stream) {
-  if (!fits(part, canvas_)) {
+  const auto* packed = dynamic_cast<const PackedPart*>(part.on_device.get());
+  const std::size_t count = std::size_t{part.width} * part.rows;
+  if (!fits(part, canvas_) || (part.on_device && packed == nullptr) ||
+      (packed != nullptr && packed->pixels.capacity() < count)) {
     return fail(ErrorCode::kInvalid, "this part is of another picture", "part");
   }
-  const std::uint64_t first = std::uint64_t{canvas_.width} * part.first_row;
-  DIAPHANE_TRY(ensure(packed_, part.pixels.size()));
-  DIAPHANE_TRY(upload(packed_, part.pixels.data(), part.pixels.size(), stream));
-  DIAPHANE_CUDA_TRY(merge_packed(packed_.data(), first, part.pixels.size(), part.samples,
-                                 {sum_.data(), difference_.data(), state_.data()}, stream));
+  int here = 0;
+  DIAPHANE_CUDA_TRY(cudaGetDevice(&here));
+  const PackedPixel* from = packed_.data();
+  if (packed != nullptr && packed->device == here) {
+    from = packed->pixels.data();
+  } else {
+    DIAPHANE_TRY(ensure(packed_, count));
+    from = packed_.data();
+    if (packed != nullptr) {
+      allow_access(here, packed->device);
+      DIAPHANE_CUDA_TRY(cudaMemcpyPeerAsync(packed_.data(), here, packed->pixels.data(),
+                                            packed->device, count * sizeof(PackedPixel), stream));
+    } else {
+      DIAPHANE_TRY(upload(packed_, part.pixels.data(), count, stream));
+    }
+  }
+  DIAPHANE_CUDA_TRY(merge_packed(from, std::uint64_t{canvas_.width} * part.first_row, count,
+                                 part.samples, {sum_.data(), difference_.data(), state_.data()},
+                                 stream));
   // The next part goes through the same memory.
   DIAPHANE_CUDA_TRY(cudaStreamSynchronize(stream));
   count_as_merged(part.first_row, part.first_row + part.rows, part.samples);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "renderd/engine/cuda_denoise.h"
@@ -12,6 +14,12 @@
 #include "renderd/film/part.h"
 
 namespace diaphane::render::cuda {
+
+/// A part's pixels on a device.
+struct PackedPart final : PixelsOnDevice {
+  int device = 0;
+  DeviceBuffer<PackedPixel> pixels;
+};
 
 /// The accumulated picture of one canvas on the device: 40 bytes a pixel, 3 more once it was
 /// displayed raw. Trace kernels add to it directly; after a launch that was the last before a stop
@@ -44,6 +52,9 @@ class CudaFilm {
   /// As FrameRenderer::set_share(), take_film() and merge_film(); the last two wait for the stream.
   Result<void> set_share(const Share& share);
   Result<bool> take(FilmPart& out, cudaStream_t stream);
+  /// FrameRenderer::take_film_here(): the pixels are in memory of the device, of which two parts'
+  /// is kept.
+  Result<bool> take_here(FilmPart& out, cudaStream_t stream);
   Result<void> merge(const FilmPart& part, cudaStream_t stream);
   TraceTarget target() const {
     return {{sum_.data(), difference_.data(), state_.data()},
@@ -84,6 +95,9 @@ class CudaFilm {
   std::uint32_t tile_count() const;
   std::uint32_t last_row() const { return first_row_ + rows_.rows(); }
   std::uint64_t samples_of(std::uint32_t row) const;
+  /// What take() and take_here() have in common: the part without pixels; false: nothing to take.
+  bool describe(FilmPart& out) const;
+  Result<void> pack(const FilmPart& part, PackedPixel* to, cudaStream_t stream);
   void count_as_merged(std::uint32_t first_row, std::uint32_t last_row, std::uint64_t samples);
   /// The share's rows have one even number of samples.
   bool settled() const { return rows_.flat() && (rows_.least() - taken_) % 2 == 0; }
@@ -105,6 +119,8 @@ class CudaFilm {
   mutable DeviceBuffer<TileError> tiles_;
   mutable DeviceBuffer<std::uint8_t> display_;  ///< 3 a pixel
   DeviceBuffer<PackedPixel> packed_;
+  std::array<std::shared_ptr<PackedPart>, 2>
+      handed_;  ///< by take_here(); free with no other holder
 };
 
 }  // namespace diaphane::render::cuda

@@ -199,6 +199,13 @@ Result<bool> CudaRenderer::take_film(FilmPart& out) {
   return film_->take(out, stream_.get());
 }
 
+Result<bool> CudaRenderer::take_film_here(FilmPart& out) {
+  if (!film_) return no_scene();
+  use_device();
+  error_samples_ = 0;
+  return film_->take_here(out, stream_.get());
+}
+
 Result<void> CudaRenderer::merge_film(const FilmPart& part) {
   if (!film_) return no_scene();
   use_device();

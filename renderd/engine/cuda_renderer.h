@@ -43,6 +43,7 @@ class CudaRenderer : public FrameRenderer {
   void hurry(bool urgent) override;
   Result<void> set_share(const Share& share) override;
   Result<bool> take_film(FilmPart& out) override;
+  Result<bool> take_film_here(FilmPart& out) override;
   Result<void> merge_film(const FilmPart& part) override;
   Result<bool> display_denoised(PictureRgb8& out) override;
   Result<bool> radiance_denoised(PictureRgbF& out) override;

@@ -111,6 +111,9 @@ class FrameRenderer {
   /// nothing is moved, when it is nothing, an odd number of samples or, after a batch that was
   /// stopped, not the same everywhere.
   virtual Result<bool> take_film(FilmPart&) { return no_shares(); }
+  /// As take_film(), for another device of the same engine in this process: the pixels may stay
+  /// where they are.
+  virtual Result<bool> take_film_here(FilmPart& out) { return take_film(out); }
   /// Adds what another device drew of this scene and canvas. kInvalid: it does not fit in.
   virtual Result<void> merge_film(const FilmPart&) { return no_shares(); }
 

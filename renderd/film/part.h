@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "renderd/film/canvas.h"
@@ -47,12 +48,19 @@ struct alignas(2) PackedPixel {
   bool operator==(const PackedPixel&) const = default;
 };
 
+/// Pixels that have stayed on a device.
+struct PixelsOnDevice {
+  virtual ~PixelsOnDevice() = default;
+};
+
 /// What was drawn of a band of rows since it was last taken.
 struct FilmPart {
   std::uint32_t width = 0;
   std::uint32_t first_row = 0, rows = 0;
   std::uint64_t samples = 0;  ///< of each pixel; even: as many of one half as of the other
   std::vector<PackedPixel> pixels;
+  /// Instead of `pixels`: for engines of the same kind in this process.
+  std::shared_ptr<const PixelsOnDevice> on_device = nullptr;
 };
 
 /// Whether [first_row, last_row) can be a share of a picture of `height` rows.
@@ -64,7 +72,8 @@ inline bool is_band(std::uint32_t first_row, std::uint32_t last_row, std::uint32
 inline bool fits(const FilmPart& part, Canvas size) {
   return part.width == size.width && part.rows <= size.height &&
          is_band(part.first_row, part.first_row + part.rows, size.height) &&
-         part.samples % 2 == 0 && part.pixels.size() == std::size_t{part.width} * part.rows;
+         part.samples % 2 == 0 &&
+         (part.on_device || part.pixels.size() == std::size_t{part.width} * part.rows);
 }
 
 /// x >= 0 as PackedPixel::mean; below 2^-40 it is 0, beyond 2^24 the largest.
