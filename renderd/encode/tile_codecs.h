@@ -7,8 +7,8 @@
 
 namespace diaphane::render {
 
-// Levels by `./diaphane bench still-codecs`, docs/figures.md, "Stream".
-inline constexpr int kPngLevel = 3;
+// Levels by `./diaphane bench still-codecs`, docs/figures.md, "Stream: what pictures cost".
+inline constexpr int kPngLevel = 1;
 inline constexpr int kWebpLevel = 1;
 
 /// RGB, rows from the top, as a PNG file (libpng, Paeth's filter on every row; level of zlib, 0 to

@@ -38,7 +38,7 @@ bool take_viewport(SessionState& state, const Receiver& receiver) {
   return true;
 }
 
-// WebP where it can be shown: fewer bytes (docs/figures.md, "Stream").
+// WebP where it can be shown: fewer bytes (docs/figures.md, "Stream: what pictures cost").
 v1::StillFormat preferred_still(const v1::Hello& hello) {
   for (const v1::StillFormat format : {v1::WEBP, v1::PNG}) {
     const auto& shown = hello.stills();
