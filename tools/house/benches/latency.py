@@ -65,6 +65,7 @@ class Block:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--codec", choices=sorted(CODECS), action="append", help="only this one; may be given again")
+    parser.add_argument("--inputs", type=int, help=f"of each of the {REPEATS} pages of a codec [default 200; 60 with --quick]")
     parser.add_argument("--threads", type=int, default=max(1, (os.cpu_count() or 2) - 1), help="of the renderer on a CPU; "
                         "the browser is on the same machine [default: all cores but one]")
     parser.add_argument("--max-error", default="0.5", help="where the worker stops refining: a small one keeps its device "
@@ -74,7 +75,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     from playwright.sync_api import sync_playwright
 
-    inputs = 60 if quick else 200
+    inputs = options.inputs or (60 if quick else 200)
     settings = {"DIAPHANE_MARK_FRAMES": "1", "DIAPHANE_MAX_ERROR": options.max_error, "DIAPHANE_THREADS": str(options.threads)}
     with running(**settings) as stack, \
             tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
@@ -103,7 +104,7 @@ def _block(browser, stack: Stack, person: Person, data_set: str, codec: str, inp
             context.add_init_script(path=paths.TOOLS / "house" / script)
         page = context.new_page()
         page.goto(f"{url}/view/{data_set}")
-        page.wait_for_selector("canvas[data-samples]", timeout=30_000)
+        page.wait_for_selector("canvas[data-samples]", timeout=120_000)
         if (got := page.evaluate("diaphaneProbe.codec")) != CODECS[codec]:
             say(f"{codec}: the page was given codec {got}")
             return None
