@@ -223,6 +223,7 @@ export const t = {
   },
   live: {
     open: "Share the picture",
+    open_here: (people: number) => `Share the picture, ${people} here`,
     title: "Look at it together",
     lead: "Whoever has the link sees this picture as you turn it, and who else is here. No account is needed, and nothing else of yours can be seen. It works until you end it, at most 12 hours.",
     guest_lead: "You see the picture as the presenter turns it.",

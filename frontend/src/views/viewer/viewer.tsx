@@ -141,9 +141,9 @@ export function Viewer({ place, title }: ViewerProps) {
               <Icon name="record" />
             </button>
           ) : null}
-          <button type="button" class="icon-button tool-share" aria-label={t.live.open} title={t.live.open} onClick={() => set_open("share")}>
+          <button type="button" class="icon-button tool-share" aria-label={role.others > 0 ? t.live.open_here(role.others + 1) : t.live.open} title={t.live.open} onClick={() => set_open("share")}>
             <Icon name="people" />
-            {role.others > 0 ? <span class="count" aria-hidden="true">{role.others + 1}</span> : null}
+            {role.others > 0 ? <span class="count">{role.others + 1}</span> : null}
           </button>
           {tool("help", "help")}
         </div>
