@@ -30,6 +30,7 @@ WIDTH, HEIGHT = 1280, 720
 CODECS = {"H264": 2, "JPEG": 1, "MPEG1": 3}
 P50_MS, P95_MS = 25, 60
 REPEATS = 3
+WARM_UP = 30  # inputs: until the worker knows what a picture of this scene costs it
 
 
 @dataclass(frozen=True)
@@ -108,24 +109,26 @@ def _block(browser, stack: Stack, person: Person, data_set: str, codec: str, inp
         if (got := page.evaluate("diaphaneProbe.codec")) != CODECS[codec]:
             say(f"{codec}: the page was given codec {got}")
             return None
+        chance = random.Random(seed)
+        _drag(page, 0, WARM_UP, chance)
         count, total = _worker_times(stack)
-        _drag(page, inputs, random.Random(seed))
-        steps = _steps(_all_shown(page))
+        _drag(page, WARM_UP, inputs, chance)
+        steps = _steps(_all_shown(page), WARM_UP)
         count, total = (now - before for now, before in zip(_worker_times(stack), (count, total), strict=True))
         return Block(steps, 1e3 * total / max(1, count))
     finally:
         context.close()
 
 
-def _drag(page, inputs: int, chance: random.Random) -> None:
+def _drag(page, first: int, inputs: int, chance: random.Random) -> None:
     """Round in a circle about the middle, at a hand's pace that keeps no step with the screen. The next movement comes when
     the last is on the screen: on a device that renders slower than that, each would wait for the rendering of those before."""
     def at(n: int) -> tuple[float, float]:
         return WIDTH / 2 + 120 * math.cos(n / 9), HEIGHT / 2 + 90 * math.sin(n / 9)
 
-    page.mouse.move(*at(0))
+    page.mouse.move(*at(first))
     page.mouse.down()
-    for n in range(1, inputs + 1):
+    for n in range(first + 1, first + inputs + 1):
         time.sleep(chance.uniform(0.02, 0.06))
         page.mouse.move(*at(n))
         deadline = time.monotonic() + 10
@@ -154,9 +157,9 @@ def _all_shown(page) -> dict:
     raise TimeoutError("the canvas does not show the last input's number: does the worker draw marks?")
 
 
-def _steps(probe: dict) -> list[Step]:
+def _steps(probe: dict, first: int) -> list[Step]:
     steps = []
-    for one in probe["inputs"]:
+    for one in probe["inputs"][first:]:
         frame = next((f for f in probe["frames"] if f["input_seq"] >= one["input_seq"]), None)
         ack = frame and probe["acks"].get(str(frame["seq"]))
         if not ack or not ack["presented_us"]:
