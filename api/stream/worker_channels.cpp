@@ -57,7 +57,8 @@ std::shared_ptr<grpc::Channel> WorkerChannels::to(const std::string& address,
     arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
     arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 1000);
     arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
-    // A worker that beats but answers nothing, or a line that swallows all: the calls end after 10 s.
+    // A worker that beats but answers nothing, or a line that swallows all: the calls end after 10
+    // s.
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 5000);
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5000);
     arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);

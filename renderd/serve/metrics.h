@@ -30,7 +30,8 @@ class Metrics {
   /// `status` is a gRPC status name: a closed set.
   void grpc_error(const std::string& status);
   void redis_error();
-  /// Where the device's time went until now ("busy" is all; its parts overlap); by one thread at a time.
+  /// Where the device's time went until now ("busy" is all; its parts overlap); by one thread at a
+  /// time.
   void device(const RunnerTimes& times);
 
  private:
