@@ -69,7 +69,8 @@ Result<volume::Volume> build_volume(dicom::FileSource& source, const dicom::Scan
   for (std::size_t z = 0; z < found.order.size(); ++z) {
     place[series.slices[found.order[z]].file] = z;
   }
-  volume::Volume volume{header_of(found, choice), {}};
+  volume::Volume volume;
+  volume.header = header_of(found, choice);
   try {
     volume.voxels.resize(volume.header.voxel_count());
     const auto image = borrow(volume);
