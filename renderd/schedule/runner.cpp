@@ -5,60 +5,21 @@
 #include <utility>
 
 #include "renderd/schedule/canvas.h"
+#include "renderd/schedule/runner_parts.h"
 
 namespace diaphane::render {
 namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-double seconds_between(std::chrono::steady_clock::time_point from,
-                       std::chrono::steady_clock::time_point to) {
-  return Seconds(to - from).count();
-}
-
 // The stills' time for each second that sessions rendered: little while somebody drags, else a
 // third of the device. By time, not by turns: a sample of a large canvas on a slow device takes a
 // second, and a turn of 30 ms between two of them would let a thumbnail wait for a minute.
 constexpr double kStillShareMoving = 1.0 / 16;
 constexpr double kStillShare = 0.5;
-constexpr double kStillQuantumSeconds = 0.03;
 constexpr double kLongestStillSeconds = 0.25;
 
 }  // namespace
-
-// A session on this device. All but `gone` belongs to the runner's thread, and while a quantum is
-// under way to the lane that has it.
-struct Runner::Track {
-  explicit Track(std::uint64_t first_epoch) : ledger(first_epoch) {}
-
-  std::uint64_t handle = 0;
-  std::shared_ptr<RenderClient> client;
-  std::unique_ptr<FrameRenderer> renderer;
-  std::atomic<bool> gone{false};
-  Ledger ledger;
-
-  // Of the runner's thread, always.
-  bool under_way = false;
-  bool moving = false;
-  SessionView seen;  // when it was last looked at
-};
-
-struct Runner::Still {
-  StillJob job;
-  std::uint64_t samples = 0;
-};
-
-// What a lane has to do, and what came of it.
-struct Runner::Turn {
-  std::shared_ptr<Track> track;
-  std::uint32_t samples = 0;                 // 0: none, a picture is due
-  std::optional<EmissionQuestion> question;  // of that picture
-  std::shared_ptr<Still> still;              // instead of a track
-  double fill = 1;
-
-  std::optional<Error> refused, failed;
-  double scene_seconds = 0, picture_seconds = 0, render_seconds = 0;
-};
 
 Runner::Runner(std::unique_ptr<Policy> policy, const Clock& clock, Options options)
     : policy_(std::move(policy)),
@@ -446,72 +407,6 @@ void Runner::show(Turn& turn, const EmissionQuestion& question) {
     ledger.shown(alone, costs_, start);
   }
   track.client->picture(std::move(rendered));
-}
-
-bool Runner::begin_still() {
-  if (still_under_way_) return false;
-  while (!stills_.empty() && stills_.front()->job.cancelled && stills_.front()->job.cancelled()) {
-    stills_.pop_front();
-  }
-  if (stills_.empty()) return false;
-  auto turn = std::make_unique<Turn>();
-  turn->still = stills_.front();
-  // One sample, then as many as fit what is due at the speed seen so far.
-  const Still& still = *turn->still;
-  const Progress before = still.samples > 0 ? still.job.renderer->progress() : Progress{};
-  const double per_sample = before.samples > 0 ? before.seconds / double(before.samples) : 0;
-  const double due = std::max(still_seconds_due_, kStillQuantumSeconds);
-  const auto left = still.job.samples - std::min<std::uint64_t>(still.job.samples, still.samples);
-  turn->samples = samples_within(due, per_sample, std::max<std::uint64_t>(left, 1));
-  begin(std::move(turn));
-  return true;
-}
-
-void Runner::carry_out_still(Turn& turn, Signs::Work& signs) {
-  StillJob& job = turn.still->job;
-  const Time start = clock_.now();
-  if (turn.still->samples == 0) {
-    if (const auto taken = job.renderer->set_scene(*job.scene, job.canvas); !taken) {
-      turn.failed = taken.error();
-      return;
-    }
-  }
-  const auto batch = job.renderer->render(turn.samples, [&] {
-    signs.alive();
-    return stopping_.load();
-  });
-  turn.render_seconds = seconds_between(start, clock_.now());
-  if (!batch) {
-    turn.failed = batch.error();
-    return;
-  }
-  turn.still->samples += batch->samples;
-}
-
-// The picture is made here: a thumbnail's takes next to nothing.
-void Runner::settle_still(Turn& turn) {
-  still_under_way_ = false;
-  still_seconds_due_ = std::max(0.0, still_seconds_due_ - turn.render_seconds);
-  StillJob& job = turn.still->job;
-  const auto end = [&](Result<PictureRgb8> picture, double error) {
-    job.done(std::move(picture), error);
-    stills_.pop_front();
-  };
-  if (turn.failed) {
-    end(tl::unexpected(*turn.failed), 0);
-    if (turn.failed->code == ErrorCode::kDeviceLost && options_.device_lost) {
-      options_.device_lost(*turn.failed);
-    }
-    return;
-  }
-  const bool late = turn.still->samples > 0 && clock_.now() >= job.until;
-  if (turn.still->samples < job.samples && !late) return;
-  PictureRgb8 picture;
-  if (const auto shown = job.renderer->display(picture); !shown) {
-    end(tl::unexpected(shown.error()), 0);
-  } else {
-    end(std::move(picture), job.renderer->progress().error);
-  }
 }
 
 void Runner::drop(Track& track, const Error& why) {

@@ -23,6 +23,16 @@ def same_picture(stack: TestStack, a: Page, b: Page) -> None:
     stack.wait_until(alike, timeout=60, what="one picture in both browsers")
 
 
+def settled_epoch(page: Page) -> int:
+    """A turn ends with one picture more: the whole one, once the pointer was lifted."""
+    epoch = -1
+    while epoch != facts(page).epoch:
+        epoch = facts(page).epoch
+        page.wait_for_timeout(1000)
+    return epoch
+
+
+
 def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, visit, cranium: Path, pictures: Path):
     anna = Person.arrives(stack, visit(), "anna")
     anna.has_scan(cranium, "Head")
@@ -63,7 +73,7 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     stack.wait_until(lambda: facts(owner).epoch > epoch or owner.wait_for_timeout(50), what="the turn")
     same_picture(stack, owner, follower)
     assert difference(before, pixels(follower)) > 3
-    settled = facts(owner).epoch
+    settled = settled_epoch(owner)
     drag(follower, 100, 0)
     follower.wait_for_timeout(700)
     assert facts(owner).epoch == settled

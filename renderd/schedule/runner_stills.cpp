@@ -1,0 +1,74 @@
+// Pictures without a session, rendered by the runner beside the sessions.
+#include <algorithm>
+
+#include "renderd/schedule/runner_parts.h"
+
+namespace diaphane::render {
+
+bool Runner::begin_still() {
+  if (still_under_way_) return false;
+  while (!stills_.empty() && stills_.front()->job.cancelled && stills_.front()->job.cancelled()) {
+    stills_.pop_front();
+  }
+  if (stills_.empty()) return false;
+  auto turn = std::make_unique<Turn>();
+  turn->still = stills_.front();
+  // One sample, then as many as fit what is due at the speed seen so far.
+  const Still& still = *turn->still;
+  const Progress before = still.samples > 0 ? still.job.renderer->progress() : Progress{};
+  const double per_sample = before.samples > 0 ? before.seconds / double(before.samples) : 0;
+  const double due = std::max(still_seconds_due_, kStillQuantumSeconds);
+  const auto left = still.job.samples - std::min<std::uint64_t>(still.job.samples, still.samples);
+  turn->samples = samples_within(due, per_sample, std::max<std::uint64_t>(left, 1));
+  begin(std::move(turn));
+  return true;
+}
+
+void Runner::carry_out_still(Turn& turn, Signs::Work& signs) {
+  StillJob& job = turn.still->job;
+  const Time start = clock_.now();
+  if (turn.still->samples == 0) {
+    if (const auto taken = job.renderer->set_scene(*job.scene, job.canvas); !taken) {
+      turn.failed = taken.error();
+      return;
+    }
+  }
+  const auto batch = job.renderer->render(turn.samples, [&] {
+    signs.alive();
+    return stopping_.load();
+  });
+  turn.render_seconds = seconds_between(start, clock_.now());
+  if (!batch) {
+    turn.failed = batch.error();
+    return;
+  }
+  turn.still->samples += batch->samples;
+}
+
+// The picture is made here: a thumbnail's takes next to nothing.
+void Runner::settle_still(Turn& turn) {
+  still_under_way_ = false;
+  still_seconds_due_ = std::max(0.0, still_seconds_due_ - turn.render_seconds);
+  StillJob& job = turn.still->job;
+  const auto end = [&](Result<PictureRgb8> picture, double error) {
+    job.done(std::move(picture), error);
+    stills_.pop_front();
+  };
+  if (turn.failed) {
+    end(tl::unexpected(*turn.failed), 0);
+    if (turn.failed->code == ErrorCode::kDeviceLost && options_.device_lost) {
+      options_.device_lost(*turn.failed);
+    }
+    return;
+  }
+  const bool late = turn.still->samples > 0 && clock_.now() >= job.until;
+  if (turn.still->samples < job.samples && !late) return;
+  PictureRgb8 picture;
+  if (const auto shown = job.renderer->display(picture); !shown) {
+    end(tl::unexpected(shown.error()), 0);
+  } else {
+    end(std::move(picture), job.renderer->progress().error);
+  }
+}
+
+}  // namespace diaphane::render
