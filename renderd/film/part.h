@@ -136,8 +136,9 @@ HOST_DEVICE PackedPixel pack_pixel(const ConstFilmView& film, std::uint64_t pixe
   p.state = static_cast<std::uint8_t>(((state & kMetMatter) != 0 ? 0x80u : 0u) |
                                       ((state & kShowsSlice) != 0 ? 0x40u : 0u) |
                                       smaller(lost_even, 7u) | smaller(lost_odd, 7u) << 3);
-  const double a = static_cast<double>(samples / 2) - lost_even;
-  const double b = static_cast<double>(samples / 2) - lost_odd;
+  const std::uint64_t pairs = samples / 2;
+  const double a = static_cast<double>(pairs) - lost_even;
+  const double b = static_cast<double>(pairs) - lost_odd;
   if (!(a + b > 0)) return p;
   const double* s = film.sum + 3 * pixel;
   const float* d = film.difference + 3 * pixel;
@@ -158,7 +159,8 @@ HOST_DEVICE PackedPixel pack_pixel(const ConstFilmView& film, std::uint64_t pixe
 HOST_DEVICE void merge_pixel(const FilmView& film, std::uint64_t pixel, const PackedPixel& p,
                              std::uint64_t samples) {
   const std::uint32_t lost_even = p.state & 7u, lost_odd = p.state >> 3 & 7u;
-  const double n = static_cast<double>(samples / 2);
+  const std::uint64_t pairs = samples / 2;
+  const double n = static_cast<double>(pairs);
   const double a = n > lost_even ? n - lost_even : 0.0, b = n > lost_odd ? n - lost_odd : 0.0;
   double* s = film.sum + 3 * pixel;
   float* d = film.difference + 3 * pixel;

@@ -62,7 +62,7 @@ class Exchange {
  public:
   void put(AssistPart part, bool last) {
     const std::lock_guard lock(mutex_);
-    parts_.push_back({std::move(part), last});
+    parts_.emplace_back(std::move(part), last);
   }
   /// And whether it was the last band of its part.
   std::optional<std::pair<AssistPart, bool>> take() {
