@@ -10,12 +10,6 @@ namespace {
 
 using Kind = v1::ServerMessage;
 
-struct Link final : ClientLink {
-  Inbox inbox;
-  void send(std::string message) override { inbox.put(message); }
-  void finish(const Error& why) override { inbox.end(why); }
-};
-
 struct LiveStream : testing::Test {
   LiveStream() {
     device->seconds_per_megapixel = 0.01;

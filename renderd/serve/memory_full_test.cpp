@@ -11,12 +11,6 @@ namespace {
 using namespace std::chrono_literals;
 using Kind = v1::ServerMessage;
 
-struct Link final : ClientLink {
-  Inbox inbox;
-  void send(std::string message) override { inbox.put(message); }
-  void finish(const Error& why) override { inbox.end(why); }
-};
-
 struct MemoryFullTest : testing::Test {
   MemoryFullTest() {
     device->seconds_per_megapixel = 0.25;

@@ -81,12 +81,6 @@ class TestRedis {
   pid_t pid_ = 0;
 };
 
-struct Link final : ClientLink {
-  Inbox inbox;
-  void send(std::string message) override { inbox.put(message); }
-  void finish(const Error& why) override { inbox.end(why); }
-};
-
 struct RegistryTest : testing::Test {
   RegistryTest() {
     options.volume_dir = store.path;

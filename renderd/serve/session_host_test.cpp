@@ -13,12 +13,6 @@ namespace {
 using namespace std::chrono_literals;
 using Kind = v1::ServerMessage;
 
-struct Link final : ClientLink {
-  Inbox inbox;
-  void send(std::string message) override { inbox.put(message); }
-  void finish(const Error& why) override { inbox.end(why); }
-};
-
 // A viewer that acknowledges what it gets, when told to.
 struct Viewer {
   std::shared_ptr<Link> link = std::make_shared<Link>();

@@ -132,6 +132,13 @@ class Inbox {
   std::optional<Error> ended_;
 };
 
+/// A connection that keeps what the session says.
+struct Link final : ClientLink {
+  Inbox inbox;
+  void send(std::string message) override { inbox.put(message); }
+  void finish(const Error& why) override { inbox.end(why); }
+};
+
 inline v1::ClientMessage hello_message(std::uint32_t side = 64) {
   v1::ClientMessage message;
   v1::Hello& hello = *message.mutable_hello();

@@ -19,8 +19,8 @@ constexpr double kFewestBytes = 1500;  // of a frame: a packet
 constexpr std::uint64_t kMostFrames = 12;
 constexpr double kMostBytes = 8 << 20;
 
-// Bits a pixel with which a moving picture is still good to look at; from `bench still-codecs` and
-// eyes, on the cranium.
+// Bits a pixel with which a moving picture is still good to look at. Guesses: nobody has held them
+// against pictures yet.
 double bits_per_pixel(v1::Codec codec) {
   switch (codec) {
     case v1::H264:
