@@ -18,6 +18,9 @@ from websockets.sync.client import connect
 MESSAGES = messages()
 ClientMessage, ServerMessage = MESSAGES["ClientMessage"], MESSAGES["ServerMessage"]
 
+# What a stream needs to run.
+PROGRAMS = ("postgres", "redis", "api", "renderd", "edge")
+
 
 def store_ball(stack: TestStack, owner: Person, size: int = 48) -> str:
     """A ball of bone in air, in the volume store and ready, as ingest would have left it."""

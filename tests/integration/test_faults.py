@@ -16,23 +16,11 @@ from api_client import person, problem
 from edge_help import connect as connect_raw
 from edge_help import resident_mb
 from house import ports
-from stream_help import ClientMessage, Viewer, new_ticket, open_session, store_ball
+from stream_help import PROGRAMS, ClientMessage, Viewer, new_ticket, open_session, store_ball
 from test_gateway_attacks import frame, handshake
-from test_gateway_stream import PROGRAMS, back_again
+from test_gateway_stream import back_again
 
 SIXTEEN = 16
-
-
-@pytest.fixture(scope="module")
-def running(stack_house):
-    stack = stack_house.open(only=PROGRAMS)
-    yield stack
-    stack_house.shut(stack)
-
-
-@pytest.fixture(scope="module")
-def one(running):
-    return person(running)
 
 
 @pytest.fixture(scope="module")

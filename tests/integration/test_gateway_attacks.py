@@ -21,13 +21,6 @@ def handshake(origin: str, ticket: str = "0" * 64, protocol: str = "diaphane.v1"
 
 
 @pytest.fixture(scope="module")
-def running(stack_house):
-    stack = stack_house.open(only=("postgres", "redis", "api", "renderd", "edge"))
-    yield stack
-    stack_house.shut(stack)
-
-
-@pytest.fixture(scope="module")
 def port(running) -> int:
     return running.ports["stream"]
 

@@ -11,36 +11,9 @@ import uuid
 
 import pytest
 from api_client import person, problem
-from stream_help import ClientMessage, Viewer, new_ticket, open_session, store_ball
+from stream_help import PROGRAMS, ClientMessage, Viewer, new_ticket, open_session, store_ball
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
-
-PROGRAMS = ("postgres", "redis", "api", "renderd", "edge")
-
-
-@pytest.fixture(scope="module")
-def running(stack_house):
-    stack = stack_house.open(only=PROGRAMS)
-    yield stack
-    stack_house.shut(stack)
-
-
-@pytest.fixture(scope="module")
-def one(running):
-    return person(running)
-
-
-@pytest.fixture(scope="module")
-def ball(running, one) -> str:
-    return store_ball(running, one)
-
-
-@pytest.fixture
-def session(running, one, ball):
-    """A session and its first stream URL; ended afterwards."""
-    made = open_session(one, ball)
-    yield made
-    one.http.delete(f"/v1/sessions/{made[0]}")
 
 
 @pytest.fixture

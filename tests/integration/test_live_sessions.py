@@ -15,33 +15,7 @@ from api_client import client, person, problem
 from google.protobuf import json_format
 from harness import REPO
 from house import ports, replay
-from stream_help import ClientMessage, Viewer, new_ticket, open_session, store_ball
-
-PROGRAMS = ("postgres", "redis", "api", "renderd", "edge")
-
-
-@pytest.fixture(scope="module")
-def running(stack_house):
-    stack = stack_house.open(only=PROGRAMS)
-    yield stack
-    stack_house.shut(stack)
-
-
-@pytest.fixture(scope="module")
-def one(running):
-    return person(running)
-
-
-@pytest.fixture(scope="module")
-def ball(running, one) -> str:
-    return store_ball(running, one)
-
-
-@pytest.fixture
-def session(running, one, ball):
-    made = open_session(one, ball)
-    yield made
-    one.http.delete(f"/v1/sessions/{made[0]}")
+from stream_help import PROGRAMS, ClientMessage, Viewer, new_ticket, open_session, store_ball
 
 
 class Guest:

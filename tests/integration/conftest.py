@@ -1,0 +1,32 @@
+"""What the tests of the stream share: a stack, somebody with an account, a ball in the store."""
+
+from __future__ import annotations
+
+import pytest
+from api_client import person
+from stream_help import PROGRAMS, open_session, store_ball
+
+
+@pytest.fixture(scope="module")
+def running(stack_house):
+    stack = stack_house.open(only=PROGRAMS)
+    yield stack
+    stack_house.shut(stack)
+
+
+@pytest.fixture(scope="module")
+def one(running):
+    return person(running)
+
+
+@pytest.fixture(scope="module")
+def ball(running, one) -> str:
+    return store_ball(running, one)
+
+
+@pytest.fixture
+def session(one, ball):
+    """A session and its first stream URL; ended afterwards."""
+    made = open_session(one, ball)
+    yield made
+    one.http.delete(f"/v1/sessions/{made[0]}")
