@@ -25,7 +25,7 @@ if(DIAPHANE_CCACHE)
   set(CMAKE_CUDA_COMPILER_LAUNCHER ${_launcher})
 endif()
 
-set(DIAPHANE_SANITIZE "" CACHE STRING "address;undefined | thread")
+set(DIAPHANE_SANITIZE "" CACHE STRING "address;undefined | thread | what preset fuzz says")
 if(DIAPHANE_SANITIZE)
   string(REPLACE ";" "," _sanitizers "${DIAPHANE_SANITIZE}")
   add_compile_options($<$<COMPILE_LANGUAGE:C,CXX>:-fsanitize=${_sanitizers}>

@@ -10,9 +10,10 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
+#include <memory>
 #include <utility>
 
+#include "common/fault_point.h"
 #include "common/ids.h"
 #include "volume/hash.h"
 #include "volume/header.h"
@@ -157,7 +158,54 @@ Result<Volume> read(const std::string& directory, bool verify_hash) {
   return volume;
 }
 
-Result<void> write(Volume& volume, const std::string& directory) {
+namespace {
+
+/// A volume under a temporary name beside its place, written and synced.
+class Staged {
+ public:
+  static Result<Staged> make(Volume& volume, const std::string& directory);
+  Staged(Staged&&) = default;
+  Staged& operator=(Staged&&) = delete;
+  ~Staged() {
+    if (inside_) erase(temporary_);
+  }
+  const fs::path& target() const { return target_; }
+  Result<void> commit() {
+    fault_point("written");
+    if (auto ok = volume::commit(temporary_, target_); !ok) return ok;
+    inside_.reset();
+    return sync();
+  }
+  Result<void> exchange() {
+    if (renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) != 0) {
+      if (errno == ENOENT) return fail(ErrorCode::kNotFound, "there is no such volume");
+      return tl::unexpected(disk_error("a volume cannot be exchanged"));
+    }
+    // Synced before the old one goes: after a power failure there must be one of them.
+    const auto synced = sync();
+    inside_.reset();
+    if (synced) erase(temporary_);
+    return synced;
+  }
+
+ private:
+  Staged(fs::path target, fs::path temporary)
+      : target_(std::move(target)), temporary_(std::move(temporary)) {}
+
+  Result<void> sync() const {
+    const fs::path parent = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+    const Fd outside(open(parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (!outside || fsync(outside.get()) != 0) {
+      return tl::unexpected(disk_error("the volume store cannot be synced"));
+    }
+    return {};
+  }
+
+  fs::path target_, temporary_;
+  std::unique_ptr<Fd> inside_;  ///< while it is ours to remove
+};
+
+Result<Staged> Staged::make(Volume& volume, const std::string& directory) {
   if (volume.voxels.size() != volume.header.voxel_count()) {
     return fail(ErrorCode::kInvalid, "the voxels do not fill the size");
   }
@@ -173,36 +221,59 @@ Result<void> write(Volume& volume, const std::string& directory) {
   volume.header.content_hash = hash.value_or("");
   auto text = to_json(volume.header);
   if (!text) return tl::unexpected(text.error());
-  if (fs::exists(fs::symlink_status(target))) {
-    return fail(ErrorCode::kConflict, "this volume exists already");
-  }
 
-  const fs::path temporary = parent / (kTemporaryPrefix + name + "-" + random_hex(8));
-  if (mkdir(temporary.c_str(), 0750) != 0) {
+  Staged staged(target, parent / (kTemporaryPrefix + name + "-" + random_hex(8)));
+  if (mkdir(staged.temporary_.c_str(), 0750) != 0) {
     return tl::unexpected(disk_error("the volume store cannot be written"));
   }
-  const auto written = [&]() -> Result<void> {
-    const Fd inside(open(temporary.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    // The lock says "a living writer": see sweep_unfinished. It goes with the process, however that
-    // ends.
-    if (!inside || flock(inside.get(), LOCK_EX | LOCK_NB) != 0) {
-      return tl::unexpected(disk_error("a volume cannot be written"));
-    }
-    if (auto ok = write_file(inside.get(), kVoxelFile, volume.voxels.data(), bytes); !ok) return ok;
-    if (auto ok = write_file(inside.get(), kHeaderFile, text->data(), text->size()); !ok) return ok;
-    if (fsync(inside.get()) != 0) return tl::unexpected(disk_error("a volume cannot be synced"));
-    if (auto ok = commit(temporary, target); !ok) return ok;
-    const Fd outside(open(parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    if (!outside || fsync(outside.get()) != 0) {
-      return tl::unexpected(disk_error("the volume store cannot be synced"));
-    }
-    return {};
-  }();
-  if (!written) {
-    std::error_code ignored;
-    fs::remove_all(temporary, ignored);
+  // The lock says "a living writer": see sweep_unfinished. It goes with the process, however that
+  // ends.
+  staged.inside_ =
+      std::make_unique<Fd>(open(staged.temporary_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const int inside = staged.inside_->get();
+  if (inside < 0 || flock(inside, LOCK_EX | LOCK_NB) != 0) {
+    return tl::unexpected(disk_error("a volume cannot be written"));
   }
-  return written;
+  if (auto ok = write_file(inside, kVoxelFile, volume.voxels.data(), bytes); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  if (auto ok = write_file(inside, kHeaderFile, text->data(), text->size()); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  if (fsync(inside) != 0) return tl::unexpected(disk_error("a volume cannot be synced"));
+  return staged;
+}
+
+}  // namespace
+
+void erase(const std::string& directory) {
+  for (const char* name : {kVoxelFile, kHeaderFile}) {
+    // Emptied first: whoever has the file open holds nothing then. A link is not followed.
+    const Fd file(open((fs::path(directory) / name).c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC));
+    if (file && ftruncate(file.get(), 0) == 0) (void)fsync(file.get());
+  }
+  std::error_code ignored;
+  fs::remove_all(directory, ignored);
+}
+
+Result<void> write(Volume& volume, const std::string& directory) {
+  if (fs::exists(fs::symlink_status(fs::path(directory).lexically_normal()))) {
+    return fail(ErrorCode::kConflict, "this volume exists already");
+  }
+  auto staged = Staged::make(volume, directory);
+  if (!staged) return tl::unexpected(staged.error());
+  return staged->commit();
+}
+
+Result<void> replace(Volume& volume, const std::string& directory,
+                     const std::function<Result<void>()>& about_to) {
+  if (!fs::is_directory(fs::symlink_status(fs::path(directory).lexically_normal()))) {
+    return fail(ErrorCode::kNotFound, "there is no such volume");
+  }
+  auto staged = Staged::make(volume, directory);
+  if (!staged) return tl::unexpected(staged.error());
+  if (auto ok = about_to(); !ok) return ok;
+  return staged->exchange();
 }
 
 Result<std::size_t> sweep_unfinished(const std::string& store) {
@@ -213,9 +284,8 @@ Result<std::size_t> sweep_unfinished(const std::string& store) {
     if (!entry->path().filename().string().starts_with(kTemporaryPrefix)) continue;
     const Fd held(open(entry->path().c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
     if (!held || flock(held.get(), LOCK_EX | LOCK_NB) != 0) continue;
-    std::error_code ignored;
-    fs::remove_all(entry->path(), ignored);
-    if (!ignored) ++removed;
+    erase(entry->path());
+    if (!fs::exists(fs::symlink_status(entry->path()))) ++removed;
   }
   if (error) return fail(ErrorCode::kUnavailable, "the volume store cannot be listed");
   return removed;

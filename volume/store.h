@@ -11,4 +11,7 @@ namespace diaphane::volume {
 /// living writer holds locked. Returns how many. kUnavailable when `store` cannot be listed.
 Result<std::size_t> sweep_unfinished(const std::string& store);
 
+/// Removes a volume's directory, its files emptied first. What cannot be removed stays.
+void erase(const std::string& directory);
+
 }  // namespace diaphane::volume

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -39,8 +40,15 @@ struct Volume {
   std::string id;  ///< the name of its directory in the store; empty when it is from elsewhere
 };
 
-/// Fills minimum, maximum and percentiles from the voxels.
-void measure(Volume& volume);
+/// Voxels that stand for nothing: a picture's padding, the corners beside straightened slices.
+struct Filler {
+  std::int16_t value = 0;
+  std::uint64_t count = 0;
+};
+
+/// Fills minimum, maximum and percentiles from the voxels, leaving out `filler.count` of those that
+/// have `filler.value` (all there are, if they are fewer).
+void measure(Volume& volume, const Filler& filler = {});
 
 /// Reads `volume.json` and `voxels.i16` from `directory`; refuses what does not fit together.
 /// `verify_hash` recomputes the content hash (a wrong one is kInternal: the disk is broken).
@@ -50,5 +58,14 @@ Result<Header> read_header(const std::string& directory);
 /// Writes both files under a temporary name beside `directory`, syncs and renames, so that a reader
 /// never sees half a volume. Fills content_hash. kConflict when `directory` exists.
 Result<void> write(Volume& volume, const std::string& directory);
+
+/// Puts `volume` in the place of the one that is in `directory`, for good: written and synced as
+/// by write(), exchanged with the old one in one step, then the old one's files are emptied and
+/// removed. A reader sees either the old or the new one whole. Before the exchange `about_to` is
+/// asked, with content_hash filled; when it fails nothing is changed. Ended in between, what is
+/// left over lies under a temporary name, for sweep_unfinished(). kNotFound when there is no old
+/// one.
+Result<void> replace(Volume& volume, const std::string& directory,
+                     const std::function<Result<void>()>& about_to);
 
 }  // namespace diaphane::volume

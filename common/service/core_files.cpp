@@ -1,0 +1,12 @@
+#include "common/service/core_files.h"
+
+#include <sys/resource.h>
+
+namespace diaphane::service {
+
+void forbid_core_files() {
+  const rlimit none{0, 0};
+  setrlimit(RLIMIT_CORE, &none);  // lowering a limit of one's own cannot fail
+}
+
+}  // namespace diaphane::service

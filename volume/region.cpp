@@ -1,0 +1,215 @@
+#include "volume/region.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "volume/header.h"
+
+namespace diaphane::volume {
+namespace {
+
+using nlohmann::json;
+
+/// Anything in a scan is nearer than this; sums and products of such numbers stay exact enough.
+constexpr double kFarthestMm = 1e5;
+
+tl::unexpected<Error> wrong(const std::string& field, const std::string& what) {
+  return fail(ErrorCode::kInvalid, what, field);
+}
+
+bool only(const json& object, std::initializer_list<const char*> names) {
+  return object.is_object() &&
+         std::all_of(object.items().begin(), object.items().end(), [&](const auto& item) {
+           return std::find(names.begin(), names.end(), item.key()) != names.end();
+         });
+}
+
+std::optional<Vector> vector_in(const json& object, const char* name) {
+  const auto found = object.find(name);
+  if (found == object.end() || !found->is_array() || found->size() != 3) return std::nullopt;
+  Vector read{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const json& number = (*found)[i];
+    if (!number.is_number()) return std::nullopt;
+    read[i] = number.get<double>();
+    if (!std::isfinite(read[i]) || std::abs(read[i]) > kFarthestMm) return std::nullopt;
+  }
+  return read;
+}
+
+double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double length(const Vector& a) { return std::sqrt(dot(a, a)); }
+
+/// Affine functions of a voxel's index; a voxel is kept where none is positive.
+struct HalfSpaces {
+  struct One {
+    Vector slope{};        // mm an index step
+    double at_origin = 0;  // mm, of the centre of voxel (0, 0, 0)
+  };
+  std::vector<One> all;
+
+  /// Where along x from `row`'s start all are at most 0: an interval, as each is affine.
+  std::array<std::uint32_t, 2> along_x(std::uint32_t y, std::uint32_t z, std::uint32_t size) const {
+    // Asked voxel by voxel at the ends, so that rounding can never keep one that `keeps` does not.
+    std::uint32_t first = 0, last = size;
+    while (first < last && !keeps(first, y, z)) ++first;
+    while (last > first && !keeps(last - 1, y, z)) --last;
+    return {first, last};
+  }
+  bool keeps(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+    // A millionth of a millimetre: a border exactly at a centre keeps it, whatever the rounding.
+    constexpr double kRounding = 1e-6;
+    return std::all_of(all.begin(), all.end(), [&](const One& one) {
+      return one.at_origin + one.slope[0] * x + one.slope[1] * y + one.slope[2] * z <= kRounding;
+    });
+  }
+};
+
+HalfSpaces half_spaces(const Header& header, const Region& region) {
+  std::array<Vector, 3> step{};
+  Vector first{};
+  for (std::size_t voxel = 0; voxel < 3; ++voxel) {
+    for (std::size_t patient = 0; patient < 3; ++patient) {
+      step[voxel][patient] = header.direction[3 * patient + voxel] * header.spacing[voxel];
+      first[patient] += step[voxel][patient] * (0.5 - header.size[voxel] / 2.0);
+    }
+  }
+  HalfSpaces spaces;
+  const auto add = [&](const Vector& point, const Vector& normal) {
+    HalfSpaces::One one;
+    const double norm = length(normal);
+    for (std::size_t voxel = 0; voxel < 3; ++voxel)
+      one.slope[voxel] = dot(step[voxel], normal) / norm;
+    one.at_origin = (dot(first, normal) - dot(point, normal)) / norm;
+    spaces.all.push_back(one);
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Vector normal{};
+    normal[axis] = -1;
+    add(region.low, normal);
+    normal[axis] = 1;
+    add(region.high, normal);
+  }
+  for (const Region::Plane& plane : region.planes) add(plane.point, plane.normal);
+  return spaces;
+}
+
+}  // namespace
+
+Result<Region> region_from_json(const std::string& text) {
+  const json body = json::parse(text, nullptr, false);
+  if (!only(body, {"box", "planes"})) return wrong("keep", "must have a box, may have planes");
+  if (!body.contains("box") || !only(body["box"], {"low", "high"})) {
+    return wrong("keep.box", "must have low and high");
+  }
+  const auto low = vector_in(body["box"], "low"), high = vector_in(body["box"], "high");
+  if (!low) return wrong("keep.box.low", "must be three numbers of millimetres");
+  if (!high) return wrong("keep.box.high", "must be three numbers of millimetres");
+  Region region{*low, *high, {}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (region.low[i] >= region.high[i]) return wrong("keep.box", "low must be below high");
+  }
+  const json planes = body.value("planes", json::array());
+  if (!planes.is_array() || planes.size() > kMostPlanes) {
+    return wrong("keep.planes", "must be a list of at most 6");
+  }
+  for (const json& entry : planes) {
+    if (!only(entry, {"point", "normal"})) return wrong("keep.planes", "has an unknown field");
+    const auto point = vector_in(entry, "point"), normal = vector_in(entry, "normal");
+    if (!point || !normal) return wrong("keep.planes", "each needs a point and a normal");
+    if (!(length(*normal) > 1e-6)) return wrong("keep.planes", "a normal has no length");
+    region.planes.push_back({*point, *normal});
+  }
+  return region;
+}
+
+std::string to_json(const Region& region) {
+  json planes = json::array();
+  for (const Region::Plane& plane : region.planes) {
+    planes.push_back({{"point", plane.point}, {"normal", plane.normal}});
+  }
+  return json{{"box", {{"low", region.low}, {"high", region.high}}}, {"planes", planes}}.dump();
+}
+
+Result<Cut> plan_cut(const Header& header, const Region& region) {
+  if (auto ok = check(header); !ok) return tl::unexpected(ok.error());
+  const HalfSpaces spaces = half_spaces(header, region);
+  std::array<std::uint32_t, 3> low = header.size, high{};
+  Cut cut;
+  for (std::uint32_t z = 0; z < header.size[2]; ++z) {
+    for (std::uint32_t y = 0; y < header.size[1]; ++y) {
+      const auto [first, last] = spaces.along_x(y, z, header.size[0]);
+      if (first >= last) continue;
+      cut.kept += last - first;
+      const std::array<std::uint32_t, 3> begin{first, y, z}, end{last, y + 1, z + 1};
+      for (std::size_t i = 0; i < 3; ++i) {
+        low[i] = std::min(low[i], begin[i]);
+        high[i] = std::max(high[i], end[i]);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (high[i] < low[i] + std::min(kLeastSide, header.size[i])) {
+      return wrong("keep", "too little would be left");
+    }
+    cut.low[i] = low[i];
+    cut.size[i] = high[i] - low[i];
+  }
+  for (std::size_t voxel = 0; voxel < 3; ++voxel) {
+    const double moved = cut.low[voxel] + cut.size[voxel] / 2.0 - header.size[voxel] / 2.0;
+    for (std::size_t patient = 0; patient < 3; ++patient) {
+      cut.shift[patient] += header.direction[3 * patient + voxel] * header.spacing[voxel] * moved;
+    }
+  }
+  constexpr std::int32_t kAirHounsfield = -1000;
+  cut.air = static_cast<std::int16_t>(
+      header.modality == Modality::kCt ? std::clamp(kAirHounsfield, header.minimum, header.maximum)
+                                       : header.minimum);
+  return cut;
+}
+
+Header after(const Header& header, const Cut& cut) {
+  Header left = header;
+  left.size = cut.size;
+  left.minimum = left.maximum = 0;
+  left.percentiles.fill(0);
+  left.content_hash.clear();
+  return left;
+}
+
+void cut_slice(const Header& header, const Region& region, const Cut& cut, std::uint32_t slice,
+               std::span<const std::int16_t> from, std::span<std::int16_t> to) {
+  const HalfSpaces spaces = half_spaces(header, region);
+  std::fill(to.begin(), to.end(), cut.air);
+  const std::uint32_t z = cut.low[2] + slice;
+  for (std::uint32_t row = 0; row < cut.size[1]; ++row) {
+    const std::uint32_t y = cut.low[1] + row;
+    const auto [first, last] = spaces.along_x(y, z, header.size[0]);
+    if (first >= last) continue;
+    const auto source = from.begin() + std::ptrdiff_t{y} * header.size[0];
+    std::copy(source + first, source + last,
+              to.begin() + std::ptrdiff_t{row} * cut.size[0] + (first - cut.low[0]));
+  }
+}
+
+Result<Volume> cut_volume(const Volume& volume, const Region& region) {
+  const auto cut = plan_cut(volume.header, region);
+  if (!cut) return tl::unexpected(cut.error());
+  Volume left{after(volume.header, *cut), {}, {}};
+  left.voxels.resize(left.header.voxel_count());
+  const std::size_t old_slice = std::size_t{volume.header.size[0]} * volume.header.size[1];
+  const std::size_t new_slice = std::size_t{cut->size[0]} * cut->size[1];
+  const std::span<const std::int16_t> from(volume.voxels);
+  const std::span<std::int16_t> to(left.voxels);
+  for (std::uint32_t z = 0; z < cut->size[2]; ++z) {
+    cut_slice(volume.header, region, *cut, z,
+              from.subspan((cut->low[2] + z) * old_slice, old_slice),
+              to.subspan(z * new_slice, new_slice));
+  }
+  measure(left);
+  return left;
+}
+
+}  // namespace diaphane::volume
