@@ -247,8 +247,9 @@ int run(int argc, char** argv) {
   } else if (info.memory_bytes > 0) {
     worker_options.volume_bytes = info.memory_bytes / 2;
   }
-  worker_options.encoder_threads =
-      std::max(1U, std::min(8U, std::thread::hardware_concurrency() / 4));
+  // A GPU leaves the processor to the encoders; the CPU engine wants it for itself.
+  const unsigned cores = std::thread::hardware_concurrency();
+  worker_options.encoder_threads = std::clamp(info.queues ? cores / 2 : cores / 4, 1U, 16U);
   worker_options.host.slots = settings.slots;
   worker_options.host.mark_frames = settings.mark_frames;
   worker_options.runner.rules.target_error = settings.max_error;

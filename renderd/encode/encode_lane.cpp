@@ -45,8 +45,10 @@ void EncodeLane::schedule(std::unique_lock<std::mutex>& lock) {
   }
   if (!slot_) return;
   scheduled_ = true;
+  const bool waited_for = slot_->info.moving || slot_->info.first_of_epoch;
   lock.unlock();
-  pool_.post([self = shared_from_this()] { self->run(); });
+  pool_.post(waited_for ? EncodePool::Urgency::kNow : EncodePool::Urgency::kLater,
+             [self = shared_from_this()] { self->run(); });
 }
 
 void EncodeLane::run() {

@@ -7,7 +7,7 @@
 
 #include "renderd/encode/encode_pool.h"
 #include "renderd/encode/encoder.h"
-#include "renderd/session/state.h"
+#include "renderd/session/pictures.h"
 
 namespace diaphane::render {
 

@@ -17,12 +17,22 @@ EncodePool::~EncodePool() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-void EncodePool::post(std::function<void()> job) {
+void EncodePool::post(Urgency urgency, std::function<void()> job) {
   {
     const std::lock_guard lock(mutex_);
-    jobs_.push_back(std::move(job));
+    (urgency == Urgency::kNow ? now_ : later_).push_back(std::move(job));
   }
   ready_.notify_one();
+}
+
+// Under the lock; one of the two has some.
+std::function<void()> EncodePool::take() {
+  const bool now = !now_.empty() && (later_.empty() || in_a_row_ < kUrgentInARow);
+  in_a_row_ = now && !later_.empty() ? in_a_row_ + 1 : 0;
+  auto& jobs = now ? now_ : later_;
+  std::function<void()> job = std::move(jobs.front());
+  jobs.pop_front();
+  return job;
 }
 
 void EncodePool::work() {
@@ -30,10 +40,9 @@ void EncodePool::work() {
     std::function<void()> job;
     {
       std::unique_lock lock(mutex_);
-      ready_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
-      if (jobs_.empty()) return;
-      job = std::move(jobs_.front());
-      jobs_.pop_front();
+      ready_.wait(lock, [this] { return stopping_ || !now_.empty() || !later_.empty(); });
+      if (now_.empty() && later_.empty()) return;
+      job = take();
     }
     job();
   }

@@ -96,6 +96,32 @@ RenderedPicture of_epoch(std::uint64_t epoch) {
   return rendered;
 }
 
+TEST(EncodePool, WhatAHandWaitsForGoesFirstAndTheRestIsNotForgotten) {
+  constexpr int kEach = 16, kTogether = EncodePool::kUrgentInARow + 1;
+  std::vector<bool> urgent;
+  {
+    EncodePool pool(1);
+    std::latch begun(1), all_there(1);
+    pool.post(EncodePool::Urgency::kNow, [&] {
+      begun.count_down();
+      all_there.wait();
+    });
+    begun.wait();
+    for (int i = 0; i < kEach; ++i) {
+      pool.post(EncodePool::Urgency::kLater, [&] { urgent.push_back(false); });
+    }
+    for (int i = 0; i < kEach; ++i) {
+      pool.post(EncodePool::Urgency::kNow, [&] { urgent.push_back(true); });
+    }
+    all_there.count_down();
+  }
+  ASSERT_EQ(urgent.size(), std::size_t{2 * kEach});
+  for (std::size_t i = 0; i < urgent.size(); ++i) {
+    const bool turn_of_others = i < 2 * kTogether && (i + 1) % kTogether == 0;
+    EXPECT_EQ(urgent[i], i < kEach + 2 && !turn_of_others) << i;
+  }
+}
+
 struct LaneTest : testing::Test {
   std::shared_ptr<Sink> sink = std::make_shared<Sink>();
   std::unique_ptr<EncodePool> pool = std::make_unique<EncodePool>(2);

@@ -18,7 +18,7 @@ std::shared_ptr<const CodedTile> TileSource::get(std::size_t index, v1::StillFor
   const Key key{format, index};
   if (const auto found = coded_.find(key); found != coded_.end()) return found->second;
   if (under_way_.insert(key).second) {
-    pool_.post([weak = weak_from_this(), key] {
+    pool_.post(EncodePool::Urgency::kLater, [weak = weak_from_this(), key] {
       if (const auto self = weak.lock()) self->code(key);
     });
   }

@@ -133,24 +133,30 @@ __global__ void __launch_bounds__(kLightBlock, DIAPHANE_LIGHT_BLOCKS(Features{Bi
   bool more = true;
   // What a lane waits for.
   enum Wants : int { kRay, kCell, kNewParts, kPart } wants = kRay;
-  std::uint32_t hit = 0;
+  constexpr std::uint32_t kNoHit = ~0u;
+  std::uint32_t hit = kNoHit;
   TransmittanceWalk<kF, TextureVolume> walk;
   CellCrossing<TextureVolume> passed;
   /// After a step.
   const auto go_on = [&] {
     wants = !kCurved || !walk.in_parts() ? kCell : walk.at_new_parts() ? kNewParts : kPart;
-    if (!walk.ended()) return;
+    if (walk.ended()) wants = kRay;
+  };
+  /// What the rays that have ended since the last time have seen: of several lanes together.
+  const auto note = [&] {
+    if (hit == kNoHit || wants != kRay) return;
     const float seen = walk.transmittance();
     HitRecord& record = scratch.hits[hit];
     record.a *= seen;
     record.b *= seen;
     record.c *= seen;
-    wants = kRay;
+    hit = kNoHit;
   };
   for (;;) {
     const std::uint32_t idle = __ballot_sync(~0u, wants == kRay);
     const int free = __popc(idle);
     if (free >= ((more || stacked > 0) ? DIAPHANE_LIGHT_REFILL : 32)) {
+      note();
       while (more && stacked < free) {
         std::uint32_t base = 0;
         if (lane == 0) base = atomicAdd(scratch.counters + kLightTaken, 32u);

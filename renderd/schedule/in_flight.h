@@ -34,11 +34,13 @@ class InFlight {
   std::size_t rendering() const { return rendering_; }
   double filled() const { return filled_; }
 
-  /// Integral of `filled` over time until `now`, seconds: between two of its values lies how full
-  /// the device was, its own quantum included.
-  double fill_seconds(Time now) {
+  /// Integral over time until `now`, seconds, of the part of the device that each of those under
+  /// way has when they share it evenly: what lies between two of its values was one's own. All that
+  /// is under way together has as long as the device was busy, no more: with the time from begin to
+  /// end instead, everybody would pay for the others too.
+  double own_seconds(Time now) {
     pass(now);
-    return fill_seconds_;
+    return own_seconds_;
   }
   /// With anything under way, until `now`.
   double busy_seconds(Time now) {
@@ -49,14 +51,16 @@ class InFlight {
  private:
   void pass(Time now) {
     const double seconds = std::max(std::chrono::duration<double>(now - at_).count(), 0.0);
-    if (count_ > 0) busy_seconds_ += seconds;
-    fill_seconds_ += filled_ * seconds;
+    if (count_ > 0) {
+      busy_seconds_ += seconds;
+      own_seconds_ += seconds / static_cast<double>(count_);
+    }
     at_ = std::max(at_, now);
   }
 
   Time at_{};
   std::size_t count_ = 0, rendering_ = 0;
-  double filled_ = 0, fill_seconds_ = 0, busy_seconds_ = 0;
+  double filled_ = 0, own_seconds_ = 0, busy_seconds_ = 0;
 };
 
 /// Whether another quantum goes to the device: until it is full, and then one that waits behind, so
@@ -66,9 +70,5 @@ inline bool room_for_another(const InFlight& in_flight, bool queues) {
   if (!queues) return in_flight.count() == 0 || in_flight.filled() < 1;
   return in_flight.filled() < 1 || in_flight.rendering() < 2;
 }
-
-/// The share of a quantum's seconds that it would have taken alone, when the device was `mean` full
-/// on average while it ran: those that share a full device wait for each other.
-inline double own_share(double mean_fill) { return mean_fill > 1 ? 1 / mean_fill : 1; }
 
 }  // namespace diaphane::render

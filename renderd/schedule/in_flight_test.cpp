@@ -33,7 +33,7 @@ TEST(InFlight, ADeviceWithoutAQueueIsFilledAndNoMore) {
   EXPECT_TRUE(room_for_another(device, false));
 }
 
-TEST(InFlight, TimeIsBusyWhileAnythingIsUnderWayAndFullBySum) {
+TEST(InFlight, TimeIsBusyWhileAnythingIsUnderWay) {
   InFlight device;
   device.begin(1, kStart);
   device.begin(0.5, kStart + milliseconds(10));
@@ -41,16 +41,26 @@ TEST(InFlight, TimeIsBusyWhileAnythingIsUnderWayAndFullBySum) {
   device.end(kStart + milliseconds(20));
   device.rendered(0.5, kStart + milliseconds(30));
   device.end(kStart + milliseconds(40));
-  const auto later = kStart + milliseconds(100);
-  EXPECT_NEAR(device.busy_seconds(later), 0.040, 1e-12);
-  EXPECT_NEAR(device.fill_seconds(later), 0.010 + 0.015 + 0.005, 1e-12);
+  EXPECT_NEAR(device.busy_seconds(kStart + milliseconds(100)), 0.040, 1e-12);
   EXPECT_EQ(device.filled(), 0);
 }
 
-TEST(InFlight, TwoThatFillTheDeviceHaveHalfOfTheirTimeEach) {
-  EXPECT_EQ(own_share(2), 0.5);
-  EXPECT_EQ(own_share(0.3), 1);
-  EXPECT_EQ(own_share(1), 1);
+TEST(InFlight, WhatEachHadOfTheDeviceIsTogetherAsLongAsItWasBusy) {
+  InFlight device;
+  const auto at = [](int ms) { return kStart + milliseconds(ms); };
+  device.begin(1, at(0));
+  const double first = device.own_seconds(at(0));
+  device.begin(1, at(10));
+  const double second = device.own_seconds(at(10));
+  const double first_had = device.own_seconds(at(30)) - first;
+  device.end(at(30));
+  const double second_had = device.own_seconds(at(35)) - second;
+  device.end(at(35));
+  EXPECT_NEAR(first_had, 0.010 + 0.020 / 2, 1e-12);
+  EXPECT_NEAR(second_had, 0.020 / 2 + 0.005, 1e-12);
+  EXPECT_NEAR(first_had + second_had, device.busy_seconds(at(100)), 1e-12);
+  const double after = device.own_seconds(at(100));
+  EXPECT_EQ(device.own_seconds(at(200)), after) << "nobody has what is idle";
 }
 
 }  // namespace

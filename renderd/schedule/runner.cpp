@@ -286,16 +286,9 @@ void Runner::ended(std::unique_ptr<Turn> turn) {
   changed_.notify_one();
 }
 
-double Runner::fill_seconds(Time now) const {
+double Runner::own_seconds() const {
   const std::lock_guard lock(mutex_);
-  return in_flight_.fill_seconds(now);
-}
-
-// Of those since `start`, when fill_seconds() was `before`: what it would have taken alone.
-double Runner::own_seconds(Time start, double before) const {
-  const Time now = clock_.now();
-  const double seconds = seconds_between(start, now);
-  return seconds > 0 ? seconds * own_share((fill_seconds(now) - before) / seconds) : 0;
+  return in_flight_.own_seconds(clock_.now());
 }
 
 void Runner::carry_out(Turn& turn, Signs::Work& signs) {
@@ -320,11 +313,10 @@ bool Runner::render(Turn& turn, Signs::Work& signs) {
   Ledger& ledger = track.ledger;
   track.renderer->hurry(ledger.stale() || ledger.samples_shown() == 0);
   if (ledger.stale()) {
-    const Time start = clock_.now();
-    const double filled = fill_seconds(start);
+    const double before = own_seconds();
     track.renderer->prepare_denoising(!ledger.wanted().raw);
     auto taken = track.renderer->set_scene(*ledger.wanted().scene, ledger.planned());
-    turn.scene_seconds = own_seconds(start, filled);
+    turn.scene_seconds = own_seconds() - before;
     if (!taken) {
       turn.refused = std::move(taken.error());
       return false;
@@ -339,7 +331,7 @@ bool Runner::render(Turn& turn, Signs::Work& signs) {
     return interruptible && track.client->version() != ledger.applied_version();
   };
   const Time start = clock_.now();
-  const double filled_before = fill_seconds(start);
+  const double before = own_seconds();
   const auto batch = track.renderer->render(turn.samples, stop);
   if (!batch) {
     turn.failed = batch.error();
@@ -348,14 +340,12 @@ bool Runner::render(Turn& turn, Signs::Work& signs) {
   const Progress progress = track.renderer->progress();
   const Time now = clock_.now();
   turn.render_seconds = seconds_between(start, now);
-  // What a sample costs alone: those that share a full device wait for each other.
-  Batch alone = *batch;
-  if (turn.render_seconds > 0) {
-    alone.seconds *= own_seconds(start, filled_before) / turn.render_seconds;
-  }
+  // What samples cost the device: those that share it wait for each other.
+  Batch own = *batch;
+  if (turn.render_seconds > 0) own.seconds *= (own_seconds() - before) / turn.render_seconds;
   {
     const std::lock_guard lock(mutex_);
-    ledger.rendered(alone, progress, costs_, now);
+    ledger.rendered(own, progress, costs_, now);
   }
   if (track.gone) return false;
   track.client->rendered(*batch);
@@ -380,7 +370,7 @@ void Runner::show(Turn& turn, const EmissionQuestion& question) {
   Ledger& ledger = track.ledger;
   if (track.gone) return;
   const Time start = clock_.now();
-  const double filled = fill_seconds(start);
+  const double before = own_seconds();
   RenderedPicture rendered;
   // The last picture is what the samples say and nothing else.
   const Result<bool> shown =
@@ -402,9 +392,9 @@ void Runner::show(Turn& turn, const EmissionQuestion& question) {
   rendered.info.denoised = *shown;
   turn.picture_seconds = seconds_between(start, clock_.now());
   {
-    const double alone = own_seconds(start, filled);
+    const double own = own_seconds() - before;
     const std::lock_guard lock(mutex_);
-    ledger.shown(alone, costs_, start);
+    ledger.shown(own, costs_, start);
   }
   track.client->picture(std::move(rendered));
 }

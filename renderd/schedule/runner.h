@@ -109,8 +109,7 @@ class Runner {
   void show_if_due(Turn& turn);
   void show(Turn& turn, const EmissionQuestion& question);
   void carry_out_still(Turn& turn, Signs::Work& signs);
-  double fill_seconds(Time now) const;
-  double own_seconds(Time start, double before) const;
+  double own_seconds() const;
   void ended(std::unique_ptr<Turn> turn);
 
   void settle(Turn& turn);

@@ -15,7 +15,8 @@
 #include "renderd/encode/tile_source.h"
 #include "renderd/schedule/runner.h"
 #include "renderd/serve/metrics.h"
-#include "renderd/session/state.h"
+#include "renderd/serve/spent_time.h"
+#include "renderd/session/pictures.h"
 
 namespace diaphane::render {
 
@@ -50,6 +51,7 @@ struct SessionParts {
   std::function<Result<std::shared_ptr<LiveSession>>(const LiveSession& group, const Branch&)>
       branch;
   bool mark_frames = false;  ///< for a bench: input_seq in the pixels (encode/frame_mark.h)
+  SpentTime& spent;
 };
 
 /// One session: joins the pure state machine to the runner, the encoders and the connections of all
@@ -66,6 +68,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
     Canvas viewport{512, 512};
     std::string presenter;     ///< participant; empty: the owner
     std::string user_id;       ///< whose session it is
+    std::string charged_to;    ///< whose render time it takes: user; empty: nobody's
     bool camera_only = false;  ///< of a follower with a camera of his own
   };
   /// What a lost worker's successor needs, as it goes to Redis.
@@ -108,6 +111,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
 
   const std::string& id() const { return id_; }
   const std::string& volume_id() const { return volume_id_; }
+  const std::string& charged_to() const { return charged_to_; }
   std::uint64_t placement() const;
   /// How long nobody has been attached; nothing while somebody is.
   std::optional<std::chrono::steady_clock::duration> abandoned_for() const;
@@ -145,6 +149,8 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void send(std::uint64_t connection, const diaphane::v1::ServerMessage& message);
   void send_config(std::uint64_t connection);
   void send_tile(const TileDue& due, const CodedTile& coded, const Departure& departure);
+  /// A frame or a tile, and what is to be told after it.
+  void send_departing(const Departure& departure, const diaphane::v1::ServerMessage& message);
   void send_look(std::uint64_t connection);
   void tell_audience();
   void finish_link(std::uint64_t connection, const Error& why, bool with_problem);
@@ -167,6 +173,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   const std::string id_;
   const std::string volume_id_;
   const std::string user_id_;
+  const std::string charged_to_;
   const std::function<void(const Error&)> on_ended_;
 
   mutable std::mutex mutex_;

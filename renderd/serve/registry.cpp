@@ -6,6 +6,7 @@
 #include "common/log.h"
 #include "renderd/serve/goodbye.lua.h"
 #include "renderd/serve/heartbeat.lua.h"
+#include "renderd/serve/note_render_time.lua.h"
 #include "renderd/serve/rebuild_session.lua.h"
 #include "renderd/serve/save_scene.lua.h"
 
@@ -24,6 +25,7 @@ constexpr milliseconds kNameMayBeTaken{5000};
 constexpr char kWorkers[] = "diaphane:workers";
 constexpr char kSessionPrefix[] = "diaphane:session:";
 constexpr char kLinkPrefix[] = "diaphane:link:";
+constexpr char kRenderTime[] = "diaphane:render_time";
 constexpr std::chrono::seconds kLinkLife{12 * 3600};
 std::string worker_key(const std::string& id) { return "diaphane:worker:" + id; }
 std::string sessions_key(const std::string& id) { return worker_key(id) + ":sessions"; }
@@ -152,6 +154,7 @@ bool Registry::heartbeat() {
     return false;
   }
   refused_since_.reset();
+  note_render_time();
   bool unknown = false;
   for (const std::string& id : answer->list) {
     if (id.empty()) {
@@ -164,6 +167,18 @@ bool Registry::heartbeat() {
     }
   }
   return true;
+}
+
+void Registry::note_render_time() {
+  const SpentTime::Account spent = host_.spent().take_milliseconds();
+  if (spent.empty()) return;
+  std::vector<std::string> arguments;
+  for (const auto& [user, ms] : spent) {
+    arguments.push_back(user);
+    arguments.push_back(std::to_string(ms));
+  }
+  // Told with the next heartbeat, when this one was not heard.
+  if (!redis_.run(lua::note_render_time, {kRenderTime}, arguments)) host_.spent().give_back(spent);
 }
 
 void Registry::write_again(const std::string& session) {

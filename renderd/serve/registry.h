@@ -50,6 +50,7 @@ class Registry {
   void run();
   bool heartbeat();
   bool save_scenes();
+  void note_render_time();
   void write_again(const std::string& session);
   void refused_name(const std::string& holder);
   double load();

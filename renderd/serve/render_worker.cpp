@@ -1,5 +1,9 @@
 #include "renderd/serve/render_worker.h"
 
+#include <condition_variable>
+#include <filesystem>
+#include <mutex>
+
 #include "common/log.h"
 #include "renderd/schedule/policy.h"
 
@@ -17,6 +21,16 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, const std::string& store
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   log::info("volume_loaded", {{"volume", id}, {"ok", loaded.has_value()}, {"seconds", seconds}});
   return loaded;
+}
+
+/// A disk that does not answer is no reason to end what people look at: only a file that is surely
+/// gone, or says otherwise, is.
+std::optional<std::string> stored_hash(const std::string& store, const std::string& id) {
+  const auto header = volume::read_header(store + "/" + id);
+  if (header) return header->content_hash;
+  std::error_code error;
+  const bool there = std::filesystem::exists(store + "/" + id + "/volume.json", error);
+  return there || error ? std::nullopt : std::optional<std::string>("");
 }
 
 Runner::Options with_device(Runner::Options options, const Engine& engine) {
@@ -38,13 +52,28 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
           [this, store = options.volume_dir](const std::string& id) {
             return load_volume(*engine_, store, id);
           },
-          options.volume_bytes)),
+          options.volume_bytes, 1,
+          [store = options.volume_dir](const std::string& id) { return stored_hash(store, id); })),
       host_(std::make_unique<SessionHost>(options.host, *engine_, *runner_, *encoders_, *volumes_,
                                           metrics, clock)),
       stills_(std::make_unique<StillService>(*engine_, *runner_, *encoders_, *volumes_, metrics,
                                              clock)),
       assists_(std::make_unique<AssistHost>(AssistHost::Options{options.host.slots}, *engine_,
-                                            *runner_, *volumes_)) {}
+                                            *runner_, *volumes_)),
+      watching_([this](const std::stop_token& stop) { watch_store(stop); }) {}
+
+void RenderWorker::watch_store(const std::stop_token& stop) {
+  constexpr std::chrono::seconds kPeriod{1};
+  std::mutex mutex;
+  std::condition_variable_any changed;
+  std::unique_lock lock(mutex);
+  while (!changed.wait_for(lock, stop, kPeriod, [] { return false; }) && !stop.stop_requested()) {
+    for (const std::string& id : volumes_->forget_outdated()) {
+      log::info("volume_forgotten", {{"volume", id}});
+      host_->volume_gone(id);
+    }
+  }
+}
 
 void RenderWorker::stop() {
   host_->end_all();
@@ -53,6 +82,7 @@ void RenderWorker::stop() {
 }
 
 RenderWorker::~RenderWorker() {
+  watching_ = {};
   stop();
   // A load or a coding under way still ends in a call to the runner, which only its end forbids.
   volumes_.reset();

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <stop_token>
 #include <string>
+#include <thread>
 
 #include "common/clock.h"
 #include "renderd/serve/assist_session.h"
@@ -38,6 +40,9 @@ class RenderWorker {
   Runner& runner() { return *runner_; }
 
  private:
+  /// Each second: copies of volumes that the store has no more are let go, their sessions ended.
+  void watch_store(const std::stop_token& stop);
+
   // Each may call into those before it; the destructor says in which order they end.
   std::unique_ptr<Engine> engine_;
   std::unique_ptr<Runner> runner_;
@@ -46,6 +51,7 @@ class RenderWorker {
   std::unique_ptr<SessionHost> host_;
   std::unique_ptr<StillService> stills_;
   std::unique_ptr<AssistHost> assists_;
+  std::jthread watching_;
 };
 
 }  // namespace diaphane::render

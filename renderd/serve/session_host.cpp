@@ -24,7 +24,7 @@ Result<LiveSession::Start> start_of(const v1::Open& open) {
   start.placement = open.placement();
   start.input_seq = open.input_seq();
   start.presenter = open.presenter();
-  if (is_id(open.user_id())) start.user_id = open.user_id();
+  if (is_id(open.user_id())) start.user_id = start.charged_to = open.user_id();
   if (open.has_scene()) start.scene = std::make_shared<const v1::Scene>(open.scene());
   if (open.has_viewport()) {
     // What was saved may be of no use; the browser's Hello says the viewport anew.
@@ -119,7 +119,8 @@ SessionParts SessionHost::parts() {
           clock_,
           [this] { return used(); },
           [this](const LiveSession& group, const Branch& wanted) { return branch(group, wanted); },
-          options_.mark_frames};
+          options_.mark_frames,
+          spent_};
 }
 
 // Its id is nobody's but this worker's: no ticket leads to it. The heartbeat counts its slot.
@@ -128,6 +129,7 @@ Result<SessionHost::Session> SessionHost::branch(const LiveSession& group, const
   start.id = new_id();
   start.volume_id = group.volume_id();
   start.placement = group.placement();
+  start.charged_to = group.charged_to();
   start.scene = wanted.scene;
   start.viewport = wanted.viewport;
   start.presenter = wanted.participant;
@@ -252,6 +254,25 @@ void SessionHost::moved_away(const std::string& id) {
     freed();
   }
   session->end({ErrorCode::kConflict, "This session has ended here.", {}});
+}
+
+void SessionHost::volume_gone(const std::string& volume_id) {
+  std::vector<Session> ending;
+  {
+    const std::lock_guard lock(mutex_);
+    for (auto entry = sessions_.begin(); entry != sessions_.end();) {
+      if (entry->second->volume_id() != volume_id) {
+        ++entry;
+        continue;
+      }
+      ending.push_back(std::move(entry->second));
+      entry = sessions_.erase(entry);
+      freed();
+    }
+  }
+  for (const Session& session : ending) {
+    session->end({ErrorCode::kNotFound, "This scan is not there any more as it was.", {}});
+  }
 }
 
 std::vector<SessionHost::Session> SessionHost::all() const {

@@ -62,10 +62,15 @@ class SessionHost {
   /// It lives on another worker now, or was ended in Redis: ended here.
   void moved_away(const std::string& id);
 
+  /// The store has this volume no more, or another under its id: its sessions end with NOT_FOUND.
+  void volume_gone(const std::string& volume_id);
+
   std::vector<Live> live() const;
   std::vector<LiveSession::Saved> take_unsaved();
   void mark_unsaved(const std::string& id);
   std::optional<LiveSession::Lost> lost(const std::string& id) const;
+  /// Of those who have sessions here.
+  SpentTime& spent() { return spent_; }
   std::size_t used() const;
   /// That may be filled: while the device's memory is full, no more than are taken already.
   std::size_t slots() const;
@@ -92,6 +97,7 @@ class SessionHost {
   Metrics& metrics_;
   const Clock& clock_;
 
+  SpentTime spent_;
   mutable std::mutex mutex_;
   std::map<std::string, Session> sessions_;
   bool refusing_ = false;

@@ -101,7 +101,7 @@ void StillService::begin(std::shared_ptr<Order> order, Result<VolumeCache::Handl
   job.until = order->begun + kLongestRendering;
   job.cancelled = [order] { return order->cancelled->load(); };
   job.done = [this, order](Result<PictureRgb8> picture, double error) {
-    encoders_.post([this, order, picture = std::move(picture), error] {
+    encoders_.post(EncodePool::Urgency::kLater, [this, order, picture = std::move(picture), error] {
       order->answer(coded(picture, error));
       metrics_.still(std::chrono::duration<double>(clock_.now() - order->begun).count());
     });

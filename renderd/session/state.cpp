@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "renderd/scene/presets.h"
+#include "renderd/session/pictures.h"
 
 namespace diaphane::render {
 namespace {
@@ -45,14 +46,6 @@ v1::StillFormat preferred_still(const v1::Hello& hello) {
     if (std::find(shown.begin(), shown.end(), format) != shown.end()) return format;
   }
   return v1::STILL_FORMAT_UNSPECIFIED;
-}
-
-// What the connection carries, and what follows from it; the presenter's decides for the renderer.
-void update_quality(SessionState& state, Receiver& receiver, TimePoint now) {
-  const QualityPlan& plan =
-      receiver.quality.update(receiver.path, state.wanted.viewport, receiver.codec, now);
-  receiver.flight.set_limit(plan.window_frames);
-  if (state.audience.presents(receiver)) state.wanted.moving_scale = plan.moving_scale;
 }
 
 Outcome receive_hello(SessionState& state, Receiver& receiver, const v1::Hello& hello,
@@ -212,60 +205,6 @@ Outcome receive_own_camera(SessionState& state, Receiver& receiver, bool on) {
   return outcome;
 }
 
-// A frame of the epoch that is rendered now is always of use. One of the epoch before is of use
-// only as the first picture of its epoch: when input comes faster than pictures, all of them are a
-// little old, and dropping every one would show nothing until the hand rests. Never after a newer
-// one.
-bool useful(const SessionState& state, const Receiver& receiver, const FrameInfo& frame) {
-  if (frame.epoch < receiver.sent_epoch) return false;
-  return frame.epoch >= state.epoch || frame.first_of_epoch;
-}
-
-// The same picture once more, for somebody else's sake.
-bool has(const Receiver& receiver, const FrameInfo& frame) {
-  if (!receiver.shown || receiver.behind) return false;
-  const FrameInfo& shown = *receiver.shown;
-  return shown.epoch == frame.epoch && shown.samples == frame.samples &&
-         shown.input_seq == frame.input_seq && shown.moving == frame.moving &&
-         shown.converged == frame.converged && shown.denoised == frame.denoised;
-}
-
-// Of an inter-coded stream every frame is part of those that follow.
-bool wants(const SessionState& state, const Receiver& receiver, const FrameInfo& frame) {
-  if (!useful(state, receiver, frame)) return false;
-  return is_inter_coded(receiver.codec) || !has(receiver, frame);
-}
-
-// The presenter sets the pace of those who receive what he does, as long as he takes pictures.
-const Receiver* pacer(const SessionState& state, v1::Codec codec, TimePoint now) {
-  const Receiver* presenter = state.audience.of(state.audience.presenter);
-  if (!presenter || presenter->codec != codec || !is_watching(*presenter, now)) return nullptr;
-  const bool keeps_up =
-      presenter->flight.unacknowledged() == 0 || now - presenter->heard_at < kPaceFor;
-  return keeps_up ? presenter : nullptr;
-}
-
-// A frame for many is as large as the connection of him who sets the pace allows, else as the best
-// of theirs does: the others skip what they have no room for.
-Admitted allowance(SessionState& state, const Coding& coding, const Receiver* pace, bool key,
-                   TimePoint now) {
-  Admitted admitted{Admission::kGo, key};
-  for (const std::uint64_t connection : coding.takers) {
-    Receiver& taker = *state.audience.find(connection);
-    update_quality(state, taker, now);
-    if (pace && pace != &taker) continue;
-    const QualityPlan& plan = taker.quality.plan();
-    admitted.moving_bytes = std::max(admitted.moving_bytes, plan.moving_bytes);
-    admitted.settled_bytes = std::max(admitted.settled_bytes, plan.settled_bytes);
-  }
-  return admitted;
-}
-
-void miss(Receiver& receiver) {
-  receiver.behind = true;
-  if (is_inter_coded(receiver.codec)) receiver.needs_key = true;
-}
-
 }  // namespace
 
 v1::Problem problem_of(const Error& error, std::uint64_t input_seq, bool fatal) {
@@ -403,150 +342,6 @@ Outcome refused(SessionState& state, const Wanted& wanted, const Error& why) {
   }
   state.measured_since.reset();
   return outcome;
-}
-
-Admitted admit(SessionState& state, v1::Codec codec, const FrameInfo& frame, TimePoint now) {
-  Audience& audience = state.audience;
-  if (const auto coding = audience.codings.find(codec);
-      coding != audience.codings.end() && !coding->second.takers.empty()) {
-    return {Admission::kWait};  // one picture of a codec is coded at a time
-  }
-  const bool inter = is_inter_coded(codec);
-  std::vector<Receiver*> wanting;
-  std::vector<Receiver*> others;
-  for (Receiver& receiver : audience.receivers) {
-    if (!receiver.greeted || receiver.codec != codec || receiver.own_camera) continue;
-    const bool watching = is_watching(receiver, now);
-    if (!watching) receiver.behind = true;  // for when it looks, or answers, again
-    (watching && wants(state, receiver, frame) ? wanting : others).push_back(&receiver);
-  }
-  if (wanting.empty()) return {};
-
-  const auto with_room = [](const Receiver* one) { return has_room(*one); };
-  const Receiver* pace = pacer(state, codec, now);
-  const bool paced = pace && std::find(wanting.begin(), wanting.end(), pace) != wanting.end();
-  const bool room =
-      paced ? with_room(pace) : std::any_of(wanting.begin(), wanting.end(), with_room);
-  if (!room) return {Admission::kWait};
-
-  Coding& coding = audience.codings[codec];
-  const bool key_may = !coding.key_at || now - *coding.key_at >= kKeyEvery;
-  const bool key = inter && std::any_of(wanting.begin(), wanting.end(), [&](const Receiver* one) {
-                     return one->needs_key && with_room(one) && (key_may || one == pace);
-                   });
-  const auto takes = [&](const Receiver* one) {
-    return with_room(one) && (!inter || key || !one->needs_key);
-  };
-  // All who have room wait for a key frame that may not come yet.
-  if (std::none_of(wanting.begin(), wanting.end(), takes)) return {Admission::kWait};
-
-  if (key) coding.key_at = now;
-  if (inter) std::for_each(others.begin(), others.end(), [](Receiver* one) { miss(*one); });
-  coding.takers.clear();
-  for (Receiver* one : wanting) {
-    if (!takes(one)) {
-      miss(*one);
-      continue;
-    }
-    one->flight.reserve();
-    one->behind = false;
-    coding.takers.push_back(one->connection);
-  }
-  return allowance(state, coding, pace, key, now);
-}
-
-Departures depart(SessionState& state, v1::Codec codec, const FrameInfo& frame, CodedSize coded,
-                  TimePoint now) {
-  Departures departures;
-  for (const std::uint64_t connection : std::exchange(state.audience.codings[codec].takers, {})) {
-    Receiver* const receiver = state.audience.find(connection);
-    if (!receiver) continue;
-    const bool decodes = coded.key || !receiver->needs_key;
-    if (receiver->own_camera || !decodes || !useful(state, *receiver, frame)) {
-      receiver->flight.release();
-      // A newer epoch has begun, so a newer picture comes; but it builds on this one.
-      if (is_inter_coded(codec)) miss(*receiver);
-      continue;
-    }
-    Departure departure;
-    departure.connection = connection;
-    if (receiver->flight.unacknowledged() == 0) receiver->heard_at = now;
-    departure.seq = receiver->flight.depart();
-    receiver->path.sent(departure.seq, coded.bytes, now);
-    receiver->tiles_sent = 0;  // the frame lies over them
-    receiver->sent_epoch = frame.epoch;
-    receiver->shown = frame;
-    receiver->needs_key = false;
-    if (!state.audience.presents(*receiver) && receiver->look_version != state.shown.version) {
-      receiver->look_version = state.shown.version;
-      departure.look = true;
-    }
-    if (frame.converged != receiver->converged_told || receiver->lossless_told) {
-      receiver->lossless_told = false;
-      departure.state.emplace();
-      departure.state->set_epoch(frame.epoch);
-      departure.state->set_converged(frame.converged);
-      receiver->converged_told = frame.converged;
-    }
-    departures.frames.push_back(std::move(departure));
-  }
-  if (!departures.frames.empty() && state.measured_since &&
-      frame.input_seq >= state.measured_input) {
-    departures.input_to_frame = std::chrono::duration<double>(now - *state.measured_since).count();
-    state.measured_since.reset();
-  }
-  return departures;
-}
-
-void release(SessionState& state, v1::Codec codec) {
-  for (const std::uint64_t connection : std::exchange(state.audience.codings[codec].takers, {})) {
-    Receiver* const receiver = state.audience.find(connection);
-    if (!receiver) continue;
-    receiver->flight.release();
-    miss(*receiver);
-  }
-}
-
-std::vector<TileDue> tiles_due(const SessionState& state, const FrameInfo& last,
-                               std::uint32_t tiles, TimePoint now) {
-  std::vector<TileDue> due;
-  if (state.epoch != last.epoch) return due;
-  for (const Receiver& one : state.audience.receivers) {
-    if (one.stills == v1::STILL_FORMAT_UNSPECIFIED || !one.shown || one.behind) continue;
-    const bool has_frame = one.shown->converged && one.shown->epoch == last.epoch &&
-                           one.shown->samples == last.samples;
-    if (!has_frame || one.tiles_sent >= tiles || !is_watching(one, now) || !has_room(one)) continue;
-    due.push_back({one.connection, one.tiles_sent, one.stills});
-  }
-  return due;
-}
-
-Departure depart_tile(SessionState& state, const TileDue& due, std::uint32_t tiles,
-                      std::size_t bytes, TimePoint now) {
-  Departure departure;
-  departure.connection = due.connection;
-  Receiver& receiver = *state.audience.find(due.connection);
-  if (receiver.flight.unacknowledged() == 0) receiver.heard_at = now;
-  receiver.flight.reserve();
-  departure.seq = receiver.flight.depart();
-  receiver.path.sent(departure.seq, bytes, now);
-  receiver.tiles_sent = due.tile + 1;
-  if (receiver.tiles_sent == tiles) {
-    departure.state.emplace();
-    departure.state->set_epoch(receiver.shown->epoch);
-    departure.state->set_converged(true);
-    departure.state->set_lossless(true);
-    receiver.lossless_told = true;
-  }
-  return departure;
-}
-
-bool has_room(const SessionState& state, v1::Codec codec, TimePoint now) {
-  if (const Receiver* pace = pacer(state, codec, now)) return has_room(*pace);
-  const auto& receivers = state.audience.receivers;
-  return std::any_of(receivers.begin(), receivers.end(), [&](const Receiver& one) {
-    return one.codec == codec && is_watching(one, now) && has_room(one);
-  });
 }
 
 std::vector<std::uint64_t> overdue_greetings(const SessionState& state, TimePoint now) {

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "renderd/session/state.h"
+#include "renderd/session/pictures.h"
 
 /// What tests of a session say to it.
 namespace diaphane::render {

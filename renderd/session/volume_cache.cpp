@@ -6,8 +6,8 @@
 
 namespace diaphane::render {
 
-VolumeCache::VolumeCache(Load load, std::uint64_t bound, unsigned threads)
-    : load_(std::move(load)), bound_(bound) {
+VolumeCache::VolumeCache(Load load, std::uint64_t bound, unsigned threads, Stored stored)
+    : load_(std::move(load)), stored_(std::move(stored)), bound_(bound) {
   for (unsigned i = 0; i < std::max(threads, 1U); ++i) threads_.emplace_back([this] { work(); });
 }
 
@@ -29,7 +29,45 @@ VolumeCache::~VolumeCache() {
   }
 }
 
+bool VolumeCache::is_outdated(const std::string& id, const Handle& copy) const {
+  if (!stored_) return false;
+  const auto now = stored_(id);
+  return now && *now != copy->header().content_hash;
+}
+
+bool VolumeCache::forget(const std::string& id, const Handle& copy) {
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(id);
+  if (found == entries_.end() || found->second.volume != copy) return false;
+  bytes_ -= copy->device_bytes();
+  entries_.erase(found);
+  return true;
+}
+
+std::vector<std::string> VolumeCache::forget_outdated() {
+  std::vector<std::pair<std::string, Handle>> copies;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, entry] : entries_) {
+      if (entry.volume) copies.emplace_back(id, entry.volume);
+    }
+  }
+  std::vector<std::string> forgotten;
+  for (const auto& [id, copy] : copies) {
+    // The store is asked without the lock: a disk may be slow.
+    if (is_outdated(id, copy) && forget(id, copy)) forgotten.push_back(id);
+  }
+  return forgotten;
+}
+
 void VolumeCache::get(const std::string& id, Ready ready) {
+  Handle copy;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = entries_.find(id); found != entries_.end()) copy = found->second.volume;
+  }
+  if (copy && is_outdated(id, copy)) forget(id, copy);
+  copy.reset();
   Handle present;
   {
     const std::lock_guard lock(mutex_);

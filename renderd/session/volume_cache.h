@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -25,8 +26,13 @@ class VolumeCache {
   using Load = std::function<Result<Handle>(const std::string& id)>;
   using Ready = std::function<void(Result<Handle>)>;
 
-  /// `bound` in bytes as DeviceVolume counts them.
-  VolumeCache(Load load, std::uint64_t bound, unsigned threads = 1);
+  /// The content hash of what the store has under this id now, empty when it has nothing; nullopt
+  /// when it cannot say just now, and then no copy is thought outdated.
+  using Stored = std::function<std::optional<std::string>(const std::string& id)>;
+
+  /// `bound` in bytes as DeviceVolume counts them. With `stored` a copy of what the store no longer
+  /// has is never given out, and forgotten by forget_outdated().
+  VolumeCache(Load load, std::uint64_t bound, unsigned threads = 1, Stored stored = {});
   /// Waits for the load under way; those not begun end with kUnavailable.
   ~VolumeCache();
   VolumeCache(const VolumeCache&) = delete;
@@ -36,6 +42,10 @@ class VolumeCache {
   /// failure is told to all who waited and not remembered. kOutOfMemory: all that is loaded is
   /// being looked at and this one does not fit beside it.
   void get(const std::string& id, Ready ready);
+
+  /// Forgets the copies of volumes that were deleted or replaced in the store (anonymised); which.
+  /// Their memory is free once nobody holds them.
+  std::vector<std::string> forget_outdated();
 
   std::vector<std::string> loaded() const;
   std::uint64_t bytes() const;
@@ -51,8 +61,11 @@ class VolumeCache {
   void work();
   Result<Handle> load_safely(const std::string& id);
   bool make_room(std::uint64_t needed);
+  bool is_outdated(const std::string& id, const Handle& copy) const;
+  bool forget(const std::string& id, const Handle& copy);
 
   const Load load_;
+  const Stored stored_;
   const std::uint64_t bound_;
   mutable std::mutex mutex_;
   std::condition_variable work_ready_;

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <future>
 #include <latch>
+#include <map>
 #include <set>
 #include <thread>
 
@@ -13,7 +14,9 @@ namespace {
 
 class FakeVolume final : public DeviceVolume {
  public:
-  explicit FakeVolume(std::uint64_t bytes) : bytes_(bytes) {}
+  explicit FakeVolume(std::uint64_t bytes, std::string hash = {}) : bytes_(bytes) {
+    header_.content_hash = std::move(hash);
+  }
   const volume::Header& header() const override { return header_; }
   std::uint64_t device_bytes() const override { return bytes_; }
 
@@ -123,6 +126,55 @@ TEST(VolumeCache, WhoeverWaitsWhenItEndsIsTold) {
     later.join();
   }
   EXPECT_EQ(answered, 3);
+}
+
+/// A store in which what lies under an id can be replaced and deleted.
+struct FakeStore {
+  std::map<std::string, std::string> hashes{{"a", "old"}, {"b", "other"}};
+  VolumeCache::Load load = [this](const std::string& id) -> Result<Handle> {
+    return Handle(std::make_shared<FakeVolume>(100, hashes.at(id)));
+  };
+  VolumeCache::Stored stored = [this](const std::string& id) -> std::optional<std::string> {
+    const auto found = hashes.find(id);
+    return silent ? std::nullopt
+                  : std::optional(found == hashes.end() ? std::string() : found->second);
+  };
+  bool silent = false;
+};
+
+TEST(VolumeCache, WhatWasReplacedInTheStoreIsNeverGivenOut) {
+  FakeStore store;
+  VolumeCache cache(store.load, 1000, 1, store.stored);
+  EXPECT_EQ((*wait_for(cache, "a"))->header().content_hash, "old");
+  wait_for(cache, "a");
+  EXPECT_EQ(cache.loads(), 1U);
+  store.hashes["a"] = "new";
+  EXPECT_EQ((*wait_for(cache, "a"))->header().content_hash, "new");
+  EXPECT_EQ(cache.bytes(), 100U);
+}
+
+TEST(VolumeCache, CopiesOfWhatTheStoreHasNoMoreAreForgotten) {
+  FakeStore store;
+  VolumeCache cache(store.load, 1000, 1, store.stored);
+  std::weak_ptr<const DeviceVolume> copy;
+  {
+    const auto held = wait_for(cache, "a");
+    copy = *held;
+    wait_for(cache, "b");
+    EXPECT_TRUE(cache.forget_outdated().empty());
+    store.hashes.erase("a");
+    store.silent = true;
+    EXPECT_TRUE(cache.forget_outdated().empty()) << "a disk that does not answer says nothing";
+    store.silent = false;
+    EXPECT_EQ(cache.forget_outdated(), std::vector<std::string>{"a"});
+    EXPECT_EQ(cache.loaded(), std::vector<std::string>{"b"});
+    EXPECT_EQ(cache.bytes(), 100U);
+    EXPECT_FALSE(copy.expired()) << "somebody still looks at it";
+  }
+  EXPECT_TRUE(copy.expired());
+  store.hashes["b"] = "anonymised";
+  EXPECT_EQ(cache.forget_outdated(), std::vector<std::string>{"b"});
+  EXPECT_EQ(cache.bytes(), 0U);
 }
 
 }  // namespace

@@ -1,15 +1,12 @@
 #include <algorithm>
 #include <string>
 
-#include "renderd/math/vector.h"
-#include "renderd/scene/check.h"
-#include "renderd/scene/frame.h"
-#include "renderd/scene/texture.h"
+#include "scene/check.h"
 
-namespace diaphane::render {
+namespace diaphane::scene {
 namespace {
 
-using render::check;  // beside those below
+using scene::check;  // beside those below
 
 constexpr int kMostLights = 4096;
 constexpr double kShortestEdge = 1e-6;  // mm
@@ -20,12 +17,12 @@ Complaint check_radiance(const diaphane::v1::Rgb& radiance, const std::string& f
 
 /// Its size and head; what is wrong behind them, decoding finds.
 template <typename Shape>
-Complaint check_texture(const Shape& shape, const std::string& field) {
+Complaint check_texture(const Shape& shape, const std::string& field, PictureCheck check_picture) {
   if (!shape.has_texture()) return {};
-  const auto size = texture_size(shape.texture().picture());
-  if (size) return {};
-  Complaint complaint = complain(field + ".texture", size.error().message);
-  complaint->code = size.error().code;
+  const auto known = check_picture(shape.texture().picture());
+  if (known) return {};
+  Complaint complaint = complain(field + ".texture", known.error().message);
+  complaint->code = known.error().code;
   return complaint;
 }
 
@@ -45,12 +42,11 @@ Complaint check(const diaphane::v1::RectangleLight& light, const std::string& fi
   if (auto c = check(light.corner(), field + ".corner")) return c;
   if (auto c = check_edge(light.u(), field + ".u")) return c;
   if (auto c = check_edge(light.v(), field + ".v")) return c;
-  const Double3 u = vector_of(light.u()), v = vector_of(light.v());
+  const Vector u = vector_of(light.u()), v = vector_of(light.v());
   if (!(length(cross(u, v)) > 1e-6 * length(u) * length(v))) {
     return complain(field + ".v", "must not be parallel to u");
   }
-  if (auto c = check_radiance(light.radiance(), field)) return c;
-  return check_texture(light, field);
+  return check_radiance(light.radiance(), field);
 }
 
 Complaint check(const diaphane::v1::DiskLight& light, const std::string& field) {
@@ -60,15 +56,13 @@ Complaint check(const diaphane::v1::DiskLight& light, const std::string& field) 
     return complain(field + ".normal", "must be a direction: at least 1e-6 long");
   }
   if (auto c = check_radius(light.radius(), field)) return c;
-  if (auto c = check_radiance(light.radiance(), field)) return c;
-  return check_texture(light, field);
+  return check_radiance(light.radiance(), field);
 }
 
 Complaint check(const diaphane::v1::SphereLight& light, const std::string& field) {
   if (auto c = check(light.centre(), field + ".centre")) return c;
   if (auto c = check_radius(light.radius(), field)) return c;
-  if (auto c = check_radiance(light.radiance(), field)) return c;
-  return check_texture(light, field);
+  return check_radiance(light.radiance(), field);
 }
 
 Complaint check(const diaphane::v1::BoxLight& light, const std::string& field) {
@@ -76,7 +70,7 @@ Complaint check(const diaphane::v1::BoxLight& light, const std::string& field) {
   if (auto c = check_edge(light.u(), field + ".u")) return c;
   if (auto c = check_edge(light.v(), field + ".v")) return c;
   if (auto c = check_edge(light.w(), field + ".w")) return c;
-  const Double3 u = vector_of(light.u()), v = vector_of(light.v()), w = vector_of(light.w());
+  const Vector u = vector_of(light.u()), v = vector_of(light.v()), w = vector_of(light.w());
   if (!(length(cross(u, v)) > 1e-6 * length(u) * length(v))) {
     return complain(field + ".v", "must not be parallel to u");
   }
@@ -84,13 +78,30 @@ Complaint check(const diaphane::v1::BoxLight& light, const std::string& field) {
   if (!(std::max(volume, -volume) > 1e-6 * length(cross(u, v)) * length(w))) {
     return complain(field + ".w", "must not lie in the plane of u and v");
   }
-  if (auto c = check_radiance(light.radiance(), field)) return c;
-  return check_texture(light, field);
+  return check_radiance(light.radiance(), field);
 }
 
 Complaint check(const diaphane::v1::EnvironmentLight& light, const std::string& field) {
-  if (auto c = check_radiance(light.radiance(), field)) return c;
-  return check_texture(light, field);
+  return check_radiance(light.radiance(), field);
+}
+
+Complaint check_texture(const diaphane::v1::Light& light, const std::string& field,
+                        PictureCheck check_picture) {
+  switch (light.shape_case()) {
+    case diaphane::v1::Light::kRectangle:
+      return check_texture(light.rectangle(), field + ".rectangle", check_picture);
+    case diaphane::v1::Light::kEnvironment:
+      return check_texture(light.environment(), field + ".environment", check_picture);
+    case diaphane::v1::Light::kDisk:
+      return check_texture(light.disk(), field + ".disk", check_picture);
+    case diaphane::v1::Light::kSphere:
+      return check_texture(light.sphere(), field + ".sphere", check_picture);
+    case diaphane::v1::Light::kBox:
+      return check_texture(light.box(), field + ".box", check_picture);
+    case diaphane::v1::Light::SHAPE_NOT_SET:
+      break;
+  }
+  return {};
 }
 
 Complaint check_shape(const diaphane::v1::Light& light, const std::string& field) {
@@ -120,8 +131,10 @@ double brightest_of(const diaphane::v1::Light& light) {
   return std::max({c.r(), c.g(), c.b()});
 }
 
-Complaint check(const diaphane::v1::Light& light, const std::string& field) {
+Complaint check(const diaphane::v1::Light& light, const std::string& field,
+                PictureCheck check_picture) {
   if (auto c = check_shape(light, field)) return c;
+  if (auto c = check_texture(light, field, check_picture)) return c;
   if (auto c = in_range(light.intensity(), 0, kBrightest, field + ".intensity",
                         "must be from 0 (which means 1) to 1e15")) {
     return c;
@@ -132,12 +145,13 @@ Complaint check(const diaphane::v1::Light& light, const std::string& field) {
 
 }  // namespace
 
-Complaint check_lights(const diaphane::v1::Scene& scene) {
+Complaint check_lights(const diaphane::v1::Scene& scene, PictureCheck check_picture) {
   if (scene.lights_size() > kMostLights) return complain("lights", "may be 4096 at most");
   for (int i = 0; i < scene.lights_size(); ++i) {
-    if (auto c = check(scene.lights(i), "lights[" + std::to_string(i) + "]")) return c;
+    const std::string field = "lights[" + std::to_string(i) + "]";
+    if (auto c = check(scene.lights(i), field, check_picture)) return c;
   }
   return {};
 }
 
-}  // namespace diaphane::render
+}  // namespace diaphane::scene

@@ -1,15 +1,17 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "api/proto/scene.pb.h"
 #include "common/result.h"
+#include "scene/scene.h"
 
 // What the checks of a scene's parts share. Fields are named as in the JSON form.
 
-namespace diaphane::render {
+namespace diaphane::scene {
 
 inline constexpr double kLongestDistance = 1e7;  ///< mm
 inline constexpr double kBrightest = 1e15;       ///< radiance
@@ -48,7 +50,19 @@ inline Complaint check(const diaphane::v1::Rgb& v, double most, const std::strin
   return {};
 }
 
-/// All of `scene.lights`.
-Complaint check_lights(const diaphane::v1::Scene& scene);
+struct Vector {
+  double x, y, z;
+  double operator[](int axis) const { return axis == 0 ? x : (axis == 1 ? y : z); }
+};
+inline Vector vector_of(const diaphane::v1::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+inline Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline double length(Vector a) { return std::sqrt(dot(a, a)); }
+inline Vector cross(Vector a, Vector b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 
-}  // namespace diaphane::render
+/// All of `scene.lights`.
+Complaint check_lights(const diaphane::v1::Scene& scene, PictureCheck check_picture);
+
+}  // namespace diaphane::scene

@@ -1,8 +1,8 @@
 #include <google/protobuf/util/json_util.h>
 
-#include "renderd/scene/presets.h"
+#include "scene/scene.h"
 
-namespace diaphane::render {
+namespace diaphane::scene {
 namespace {
 
 /// Protobuf says `(camera) spede: Cannot find field.`, `(camera): ...` or puts words before it; the
@@ -48,4 +48,4 @@ std::string scene_to_json(const diaphane::v1::Scene& scene) {
   return json;
 }
 
-}  // namespace diaphane::render
+}  // namespace diaphane::scene

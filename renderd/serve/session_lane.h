@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "renderd/serve/live_session.h"
+
+namespace diaphane::render {
+
+/// Keeps the encoder's questions apart: which codec is asked for, and whether it is still in use.
+class LiveSession::Lane final : public FrameSink {
+ public:
+  Lane(std::weak_ptr<LiveSession> session, v1::Codec for_codec)
+      : codec(for_codec), session_(std::move(session)) {}
+
+  Admitted admit(const FrameInfo& frame) override {
+    const auto session = session_.lock();
+    return session ? session->admit(*this, frame) : Admitted{};
+  }
+  void coded(const FrameInfo& frame, Canvas size, CodedFrame data, double seconds) override {
+    if (const auto session = session_.lock()) {
+      session->coded(*this, frame, size, std::move(data), seconds);
+    }
+  }
+  void dropped(const FrameInfo&, const Error& why) override {
+    if (const auto session = session_.lock()) session->dropped(*this, why);
+  }
+
+  const v1::Codec codec;
+  std::shared_ptr<EncodeLane> slot;  ///< set once, before anybody else sees the lane
+
+ private:
+  const std::weak_ptr<LiveSession> session_;
+};
+
+}  // namespace diaphane::render

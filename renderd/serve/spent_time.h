@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+
+namespace diaphane::render {
+
+/// How long the device worked for whom since it was last told to Redis: what an account's render
+/// time is counted by (docs/contracts.md, "Render time"). Thread-safe.
+class SpentTime {
+ public:
+  /// By user, in microseconds.
+  using Account = std::map<std::string, std::uint64_t>;
+
+  void add(const std::string& user_id, double seconds) {
+    if (user_id.empty() || !(seconds > 0)) return;
+    const std::lock_guard lock(mutex_);
+    account_[user_id] += static_cast<std::uint64_t>(seconds * 1e6);
+  }
+  /// All that is whole milliseconds; what is left of each stays.
+  Account take_milliseconds() {
+    Account taken;
+    const std::lock_guard lock(mutex_);
+    for (auto& [user, us] : account_) {
+      if (us >= 1000) taken[user] = us / 1000;
+      us %= 1000;
+    }
+    std::erase_if(account_, [](const auto& entry) { return entry.second == 0; });
+    return taken;
+  }
+  /// It could not be told.
+  void give_back(const Account& milliseconds) {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [user, ms] : milliseconds) account_[user] += ms * 1000;
+  }
+
+ private:
+  std::mutex mutex_;
+  Account account_;
+};
+
+}  // namespace diaphane::render
