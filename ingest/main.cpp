@@ -7,10 +7,12 @@
 #include "common/ids.h"
 #include "common/log.h"
 #include "common/service/admin_server.h"
+#include "common/service/core_files.h"
 #include "common/service/signals.h"
 #include "ingest/metrics.h"
 #include "ingest/pipeline/builder.h"
 #include "ingest/pipeline/child.h"
+#include "ingest/pipeline/cut_child.h"
 #include "ingest/pipeline/postgres_jobs.h"
 #include "ingest/pipeline/scratch.h"
 #include "ingest/pipeline/worker.h"
@@ -94,8 +96,12 @@ int serve(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  service::forbid_core_files();
   if (argc > 1 && std::string(argv[1]) == ingest::kChildWord) {
     return ingest::run_child_with({argv + 2, argv + argc});
+  }
+  if (argc > 1 && std::string(argv[1]) == ingest::kCutChildWord) {
+    return ingest::run_cut_child_with({argv + 2, argv + argc});
   }
   Options options;
   if (auto done = read_options(argc, argv, options)) return *done;

@@ -22,7 +22,9 @@ Result<volume::Volume> built(std::vector<std::string> files) {
   if (!scan) return tl::unexpected(scan.error());
   const dicom::Choice choice = dicom::choose(*scan);
   if (!choice.suitable) return fail(ErrorCode::kInvalid, choice.text);
-  return build_volume(source, *scan, choice, {});
+  auto built = build_volume(source, *scan, choice, {});
+  if (!built) return tl::unexpected(built.error());
+  return std::move(built->volume);
 }
 
 std::int16_t at(const volume::Volume& v, std::uint32_t x, std::uint32_t y, std::uint32_t z) {

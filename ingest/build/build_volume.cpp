@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "ingest/build/image_volume.h"
+#include "ingest/build/resample.h"
 #include "ingest/dicom/read_slice.h"
 
 namespace diaphane::ingest {
@@ -20,14 +21,17 @@ class Voxels {
  public:
   explicit Voxels(bool is_ct) : is_ct_(is_ct) {}
 
-  void put(const std::vector<std::int32_t>& values, std::int16_t* to) {
-    for (const std::int32_t value : values) {
+  void put(const dicom::Values& values, std::int16_t* to) {
+    padded_ += values.padded;
+    for (const std::int32_t value : values.values) {
       const std::int32_t kept = is_ct_ ? std::clamp(value, kLow, kHigh) : value;
       clamped_ += kept != value ? 1 : 0;
       largest_ = std::max(largest_, kept);
       *to++ = static_cast<std::int16_t>(kept);
     }
   }
+
+  std::uint64_t padded() const { return padded_; }
 
   /// MR and PT of 16 unsigned bits reach 65535: then all values are halved.
   void settle(volume::Volume& volume) const {
@@ -44,12 +48,12 @@ class Voxels {
  private:
   bool is_ct_;
   std::size_t clamped_ = 0;
+  std::uint64_t padded_ = 0;
   std::int32_t largest_ = 0;
 };
 
 volume::Header header_of(const dicom::Assessment& found, const dicom::Choice& choice) {
   volume::Header header;
-  header.size = found.size;
   header.spacing = found.spacing;
   header.direction = found.direction;
   header.modality = found.modality;
@@ -61,42 +65,48 @@ volume::Header header_of(const dicom::Assessment& found, const dicom::Choice& ch
 
 }  // namespace
 
-Result<volume::Volume> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
-                                    const dicom::Choice& choice, const dicom::Limits& limits) {
+Result<Built> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
+                           const dicom::Choice& choice, const dicom::Limits& limits) {
   const dicom::Series& series = scan.series[choice.index];
   const dicom::Assessment& found = series.assessment;
-  std::unordered_map<std::size_t, std::size_t> place;  // file -> z
+  std::unordered_map<std::size_t, std::vector<std::size_t>> places;  // file -> its slices' z
   for (std::size_t z = 0; z < found.order.size(); ++z) {
-    place[series.slices[found.order[z]].file] = z;
+    places[series.slices[found.order[z]].file].push_back(z);
   }
-  volume::Volume volume;
+  Built built;
+  volume::Volume& volume = built.volume;
   volume.header = header_of(found, choice);
+  const dicom::Slice& first = series.slices[found.order.front()];
+  volume.header.size = {first.columns, first.rows, static_cast<std::uint32_t>(found.order.size())};
   try {
     volume.voxels.resize(volume.header.voxel_count());
-    const auto image = borrow(volume);
     Voxels voxels(found.modality == volume::Modality::kCt);
+    const std::size_t picture = std::size_t{first.columns} * first.rows;
     std::size_t done = 0;
-    const auto want = [&](std::size_t file) { return place.contains(file); };
+    const auto want = [&](std::size_t file) { return places.contains(file); };
     const auto take = [&](std::size_t file, dicom::FileSource::Bytes bytes) -> Result<void> {
-      const std::size_t z = place[file];
       const dicom::Precheck checked = dicom::precheck(bytes, limits);
       if (checked.state != dicom::FileState::kFit)
         return fail(ErrorCode::kInvalid, "a file has changed");
-      auto values = dicom::read_values(checked, series.slices[found.order[z]]);
-      if (!values) return tl::unexpected(values.error());
-      voxels.put(*values,
-                 static_cast<std::int16_t*>(image->GetScalarPointer(0, 0, static_cast<int>(z))));
-      ++done;
+      for (const std::size_t z : places[file]) {
+        auto values = dicom::read_values(checked, series.slices[found.order[z]], found.unit);
+        if (!values) return tl::unexpected(values.error());
+        voxels.put(*values, volume.voxels.data() + z * picture);
+        ++done;
+      }
       return {};
     };
     if (auto ok = source.visit(want, take); !ok) return tl::unexpected(ok.error());
-    if (done != place.size()) return fail(ErrorCode::kInvalid, "a file has gone");
+    if (done != found.order.size()) return fail(ErrorCode::kInvalid, "a file has gone");
     voxels.settle(volume);
+    const auto air = static_cast<std::int16_t>(dicom::air_of(found.modality));
+    built.filler = {air, voxels.padded()};
+    if (!found.sources.empty()) resample(found, air, built);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kOutOfMemory, "the volume needs more memory than is allowed");
   }
-  volume::measure(volume);
-  return volume;
+  volume::measure(volume, built.filler);
+  return built;
 }
 
 }  // namespace diaphane::ingest

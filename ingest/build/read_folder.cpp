@@ -12,7 +12,9 @@ Result<volume::Volume> read_folder(const std::string& path) {
   if (!scan) return tl::unexpected(scan.error());
   const dicom::Choice choice = dicom::choose_largest(*scan);
   if (!choice.suitable) return fail(ErrorCode::kInvalid, choice.text);
-  return build_volume(*source, *scan, choice, limits.file);
+  auto built = build_volume(*source, *scan, choice, limits.file);
+  if (!built) return tl::unexpected(built.error());
+  return std::move(built->volume);
 }
 
 }  // namespace diaphane::ingest

@@ -30,8 +30,8 @@ class Judge {
   Assessment judge() {
     const bool suitable = images_only() && originals_only() && once_each() && without_scouts() &&
                           single_frames() && grey() && placed() && one_orientation() &&
-                          enough_slices() && one_picture_size() && one_scale() &&
-                          readable_pixels() && regular_stack();
+                          one_picture_size() && enough_slices() && one_scale() &&
+                          readable_pixels() && stacked();
     result_.suitable = suitable;
     if (!suitable) result_.order.clear();
     return std::move(result_);
@@ -80,7 +80,11 @@ class Judge {
       return refuse("views_not_slices", "These are views of a scan, not slices.");
     }
     if (any([](const Slice& s) {
-          return !s.image_type.empty() && s.image_type[0] != "ORIGINAL";
+          // "MIXED": of frames each of which says it for itself.
+          const auto& type = s.image_type;
+          const bool compressed = s.is_lossy && type.size() > 1 && type[1] == "PRIMARY";
+          return !type.empty() && type[0] != "ORIGINAL" && type[0] != "MIXED" &&
+                 !(type[0] == "DERIVED" && compressed);
         })) {
       return refuse("not_original",
                     "These pictures were computed from a scan; only original slices are accepted.");
@@ -89,11 +93,11 @@ class Judge {
   }
 
   bool once_each() {
-    std::map<std::string, const Slice*> seen;
+    std::map<std::pair<std::string, std::size_t>, const Slice*> seen;  // by identifier and frame
     bool contradiction = false;
     const std::size_t copies = drop([&](const Slice& s) {
       if (s.sop_uid.empty()) return false;
-      const auto [found, is_new] = seen.emplace(s.sop_uid, &s);
+      const auto [found, is_new] = seen.emplace(std::pair(s.sop_uid, s.frame), &s);
       if (is_new) return false;
       contradiction = contradiction || found->second->position != s.position;
       return true;
@@ -117,10 +121,11 @@ class Judge {
   }
 
   bool single_frames() {
-    if (any([](const Slice& s) { return s.kind == Kind::kMultiFrame || s.frames != 1; })) {
+    if (any([](const Slice& s) { return s.frames != 1; })) {
       return refuse(
-          "multi_frame",
-          "Several slices are packed in one file (multi-frame); this is not supported yet.");
+          "no_position",
+          "Several pictures are packed in one file, and it does not say where each lies in "
+          "the patient.");
     }
     return true;
   }
@@ -192,25 +197,40 @@ class Judge {
   }
 
   bool enough_slices() {
+    if (kept_.size() < kFewestSlices && others_ > 0 && kept_.size() + others_ >= kFewestSlices) {
+      return refuse("mixed",
+                    "The series mixes slices of different sizes, too few of each for a volume.");
+    }
     if (kept_.size() >= kFewestSlices) return true;
     return refuse("too_few_slices", "Too few slices: " + std::to_string(kept_.size()) + ", and " +
                                         std::to_string(kFewestSlices) +
                                         " are needed for a volume.");
   }
 
+  /// Case 14: keeps the picture size that most slices share.
   bool one_picture_size() {
-    const auto differs = [&](const Slice& s) {
+    const auto same = [](const Slice& s, const Slice& t) {
       const auto& a = *s.pixel_spacing;
-      const auto& b = *first().pixel_spacing;
-      return s.rows != first().rows || s.columns != first().columns ||
-             std::abs(a[0] - b[0]) > 1e-3 * b[0] || std::abs(a[1] - b[1]) > 1e-3 * b[1];
+      const auto& b = *t.pixel_spacing;
+      return s.rows == t.rows && s.columns == t.columns && std::abs(a[0] - b[0]) <= 1e-3 * b[0] &&
+             std::abs(a[1] - b[1]) <= 1e-3 * b[1];
     };
-    if (any(differs)) {
-      return refuse("mixed", "The series mixes slices of different sizes.");
+    std::vector<Indices> groups;
+    for (const std::size_t i : kept_) {
+      auto found = std::find_if(groups.begin(), groups.end(), [&](const Indices& group) {
+        return same(slices_[i], slices_[group.front()]);
+      });
+      if (found == groups.end()) found = groups.insert(groups.end(), Indices{});
+      found->push_back(i);
     }
-    result_.size = {first().columns, first().rows, static_cast<std::uint32_t>(kept_.size())};
-    if (std::uint64_t{result_.size[0]} * result_.size[1] * result_.size[2] > most_voxels_) {
-      return refuse("over_quota", "The volume would be larger than is allowed here.");
+    const auto largest =
+        std::max_element(groups.begin(), groups.end(),
+                         [](const Indices& a, const Indices& b) { return a.size() < b.size(); });
+    others_ = kept_.size() - largest->size();
+    kept_ = Indices(*largest);
+    if (others_ > 0) {
+      result_.repairs.push_back(counted(others_, "slice", "slices") + " of another size " +
+                                (others_ == 1 ? "was" : "were") + " left out");
     }
     return true;
   }
@@ -222,12 +242,21 @@ class Judge {
     if (any([&](const Slice& s) { return s.photometric != first().photometric; })) {
       return refuse("mixed", "The series mixes slices and negatives of slices.");
     }
-    if (any([&](const Slice& s) { return !(s.rescale == first().rescale); })) {
-      return refuse("varying_rescale",
-                    "Each slice has a scale of its own; this is not supported yet.");
-    }
     const Rescale& scale = first().rescale;
-    if (scale.slope == 0) return refuse("bad_rescale", "The scale of the slices makes no sense.");
+    if (any([](const Slice& s) { return s.rescale.slope == 0; })) {
+      return refuse("bad_rescale", "The scale of the slices makes no sense.");
+    }
+    const bool varies = any([&](const Slice& s) {
+      return s.rescale.slope != scale.slope || s.rescale.intercept != scale.intercept;
+    });
+    if (varies && result_.modality != volume::Modality::kCt) {
+      // Case 15. The slice with the largest scale keeps its numbers, the others' become smaller.
+      for (const std::size_t i : kept_) {
+        result_.unit = std::max(result_.unit, std::abs(slices_[i].rescale.slope));
+      }
+      result_.repairs.emplace_back(
+          "each slice had a scale of its own; all were brought to one scale");
+    }
     if (result_.modality == volume::Modality::kCt && !scale.present &&
         any([](const Slice& s) { return !s.layout.is_signed; })) {
       return refuse("no_rescale",
@@ -240,23 +269,21 @@ class Judge {
     if (any([](const Slice& s) { return !is_readable(s.layout); })) {
       return refuse("pixel_format", "The pixels are stored in a form that is not supported.");
     }
-    // In CT padding becomes air; elsewhere it is air already when it is nothing.
-    if (result_.modality != volume::Modality::kCt && any([](const Slice& s) {
-          return s.padding && ((*s.padding)[0] != 0 || (*s.padding)[1] != 0);
-        })) {
-      return refuse("padding",
-                    "The slices mark missing pixels in a way that is not supported yet.");
-    }
     return true;
   }
 
-  bool regular_stack() {
+  bool stacked() {
     std::vector<Vec3> positions;
     for (const std::size_t i : kept_) positions.push_back(*slices_[i].position);
     const auto& pixel = *first().pixel_spacing;
     Stack stack = arrange(positions, axes_, std::min(pixel[0], pixel[1]));
-    if (!stack.regular) return refuse(stack.code.c_str(), std::move(stack.text));
-    const double height = stack.spacing * static_cast<double>(kept_.size());
+    if (!stack.is_volume) {
+      const bool film = stack.code == "one_position" && first().one_of_frames;
+      if (film) return refuse("cine", "This is a film of one place, not a volume.");
+      return refuse(stack.code.c_str(), std::move(stack.text));
+    }
+    const std::size_t slices = stack.sources.empty() ? kept_.size() : stack.sources.size();
+    const double height = stack.spacing * static_cast<double>(slices);
     if (height < kShortestStack) {
       char text[96];
       std::snprintf(text, sizeof text,
@@ -265,11 +292,21 @@ class Judge {
       return refuse("too_few_slices", text);
     }
     for (const std::size_t i : stack.order) result_.order.push_back(kept_[i]);
-    describe(stack, pixel);
+    shape(stack, pixel, slices);
+    if (!fits()) return refuse("over_quota", "The volume would be larger than is allowed here.");
+    describe(stack);
+    result_.sources = std::move(stack.sources);
     return true;
   }
 
-  void describe(const Stack& stack, const std::array<double, 2>& pixel) {
+  bool fits() const {
+    const auto& size = result_.size;
+    return *std::max_element(size.begin(), size.end()) <= 65535 &&
+           std::uint64_t{size[0]} * size[1] <= most_voxels_ / size[2];
+  }
+
+  /// The volume's box: of straightened slices all that any of them covers.
+  void shape(const Stack& stack, const std::array<double, 2>& pixel, std::size_t slices) {
     result_.spacing = {pixel[1], pixel[0], stack.spacing};
     const Vec3* columns[] = {&axes_.row, &axes_.column, &axes_.normal};
     for (std::size_t row = 0; row < 3; ++row) {
@@ -277,11 +314,59 @@ class Judge {
         result_.direction[3 * row + axis] = (*columns[axis])[row];
       }
     }
+    std::array<double, 2> low{}, high{};  // pixels, of the first pixel of any slice
+    for (const Source& source : stack.sources) {
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        const double at = source.shift[axis] / result_.spacing[axis];
+        low[axis] = std::min(low[axis], at);
+        high[axis] = std::max(high[axis], at);
+      }
+    }
+    const auto grown = [&](std::uint16_t n, std::size_t axis) {
+      constexpr double kNegligible = 1e-3;
+      result_.corner[axis] = std::floor(low[axis] + kNegligible);
+      return n +
+             static_cast<std::uint32_t>(std::ceil(high[axis] - result_.corner[axis] - kNegligible));
+    };
+    result_.size = {grown(first().columns, 0), grown(first().rows, 1),
+                    static_cast<std::uint32_t>(slices)};
+    const Vec3& at = *slices_[result_.order.front()].position;
+    for (std::size_t i = 0; i < 3; ++i) {
+      result_.origin[i] = at[i] + result_.corner[0] * result_.spacing[0] * axes_.row[i] +
+                          result_.corner[1] * result_.spacing[1] * axes_.column[i];
+    }
+  }
+
+  void describe(const Stack& stack) {
     const Slice& middle = slices_[result_.order[result_.order.size() / 2]];
     result_.window_center = middle.window_center;
     result_.window_width = middle.window_width;
+    if (result_.modality != volume::Modality::kCt) {
+      // The window is in scaled units; the volume keeps stored ones, or those of `unit`.
+      const Rescale& scale = middle.rescale;
+      const double unit = result_.unit > 0 ? result_.unit : std::abs(scale.slope);
+      const double offset = result_.unit > 0 ? 0 : scale.intercept;
+      const double sign = result_.unit > 0 || scale.slope > 0 ? 1 : -1;
+      result_.window_center = sign * (result_.window_center - offset) / unit;
+      result_.window_width /= unit;
+    }
+    char text[160];
+    if (stack.tilt > 0) {
+      std::snprintf(text, sizeof text, "straightened %.1f degrees (gantry tilt)", stack.tilt);
+      result_.repairs.emplace_back(text);
+    }
+    if (stack.missing > 0) {
+      result_.repairs.push_back(counted(stack.missing, "slice was", "slices were") +
+                                " missing and filled in from the neighbours");
+    }
+    if (stack.varying[1] > 0) {
+      std::snprintf(text, sizeof text,
+                    "the distance from slice to slice varies from %.2f to %.2f mm; slices were "
+                    "computed every %.2f mm, so small things may be blurred",
+                    stack.varying[0], stack.varying[1], stack.spacing);
+      result_.repairs.emplace_back(text);
+    }
     if (stack.jitter > kJitterMm) {
-      char text[96];
       std::snprintf(text, sizeof text,
                     "slices lie up to %.2f mm off their places; the mean distance was used",
                     stack.jitter);
@@ -295,6 +380,7 @@ class Judge {
   std::uint64_t most_voxels_;
   Indices kept_;
   std::size_t scouts_ = 0;
+  std::size_t others_ = 0;  ///< slices of another size
   Axes axes_;
   Assessment result_;
 };

@@ -1,74 +1,152 @@
 #include "ingest/dicom/codestream.h"
 
 #include <algorithm>
+#include <array>
+
+#include "ingest/dicom/codestream_bytes.h"
 
 namespace diaphane::dicom {
 namespace {
 
-class Bytes {
- public:
-  explicit Bytes(std::span<const std::byte> data) : data_(data) {}
-  std::size_t size() const { return data_.size(); }
-  std::uint32_t u8(std::size_t at) const { return std::to_integer<std::uint32_t>(data_[at]); }
-  std::uint32_t u16(std::size_t at) const { return u8(at) << 8 | u8(at + 1); }
-  std::uint32_t u32(std::size_t at) const { return u16(at) << 16 | u16(at + 2); }
-
- private:
-  std::span<const std::byte> data_;
-};
-
-bool is_frame_header(std::uint32_t marker) {
-  if (marker == 0xFFF7) return true;  // JPEG-LS
-  return marker >= 0xFFC0 && marker <= 0xFFCF && marker != 0xFFC4 && marker != 0xFFC8 &&
-         marker != 0xFFCC;
+/// Behind a scan's header at `at`: where the next marker stands that does not belong to its data.
+/// T.81, B.1.1.5: 0xFF00 and restarts do; T.87, A.1: whatever is below 0xFF80 does.
+std::size_t past_scan(const BigEndian& in, std::size_t at, bool is_ls) {
+  for (; at + 1 < in.size(); ++at) {
+    if (in.u8(at) != 0xFF) continue;
+    const std::uint32_t next = in.u8(at + 1);
+    const bool data = is_ls ? next < 0x80 : next == 0x00 || (next >= 0xD0 && next <= 0xD7);
+    if (!data && next != 0xFF) return at;
+  }
+  return in.size();
 }
 
-std::optional<PictureSize> of_jpeg(const Bytes& in) {
-  if (in.size() < 4 || in.u16(0) != 0xFFD8) return std::nullopt;
-  std::size_t at = 2;
-  while (at + 4 <= in.size()) {
-    if (in.u8(at) != 0xFF) return std::nullopt;
-    if (in.u8(at + 1) == 0xFF) {  // fill
-      ++at;
-      continue;
-    }
-    const std::uint32_t marker = in.u16(at);
-    if (is_frame_header(marker)) {
-      if (at + 10 > in.size()) return std::nullopt;
-      return PictureSize{in.u16(at + 7), in.u16(at + 5), in.u8(at + 9)};
-    }
-    at += 2 + in.u16(at + 2);
+struct JpegFrame {
+  std::uint32_t marker = 0, bits = 0, height = 0, width = 0, components = 0;
+};
+
+/// The process that a transfer syntax stands for. GDCM 3.0.21 ends the process over lossless
+/// pictures of fewer than eight bits (a failed assertion), and nobody makes such.
+Fault fault_of_frame(const JpegFrame& frame, const TransferSyntax& syntax,
+                     const PictureClaim& claim) {
+  const std::string_view uid = syntax.uid;
+  bool fits = false;
+  if (syntax.packing == Packing::kJpegLs) {
+    fits = frame.marker == 0xFFF7 && frame.bits >= 2 && frame.bits <= 16;
+  } else if (uid.ends_with(".50")) {
+    fits = frame.marker == 0xFFC0 && frame.bits == 8;
+  } else if (uid.ends_with(".51")) {
+    // 16 bits are beyond T.81, and GDCM writes and reads them all the same.
+    fits = (frame.marker == 0xFFC0 || frame.marker == 0xFFC1) &&
+           (frame.bits == 8 || frame.bits == 12 || frame.bits == 16);
+  } else {
+    fits = frame.marker == 0xFFC3 && frame.bits >= 8 && frame.bits <= 16;
+  }
+  if (!fits || frame.bits > claim.bits) return kOtherKind;
+  if (frame.width != claim.width || frame.height != claim.height ||
+      frame.components != claim.components) {
+    return kOtherSize;
   }
   return std::nullopt;
 }
 
-std::optional<PictureSize> of_jpeg2000(const Bytes& in) {
-  // In the box format the codestream stands somewhere behind the boxes: look for SOC and SIZ.
-  for (std::size_t at = 0; at + 42 <= in.size() && at < 4096; ++at) {
-    if (in.u32(at) != 0xFF4FFF51) continue;
-    const std::uint32_t x1 = in.u32(at + 8), y1 = in.u32(at + 12);
-    const std::uint32_t x0 = in.u32(at + 16), y0 = in.u32(at + 20);
-    if (x0 >= x1 || y0 >= y1) return std::nullopt;
-    return PictureSize{x1 - x0, y1 - y0, in.u16(at + 40)};
+bool is_frame(std::uint32_t marker) {
+  return marker == 0xFFF7 || (marker >= 0xFFC0 && marker <= 0xFFCF && marker != 0xFFC4 &&
+                              marker != 0xFFC8 && marker != 0xFFCC);
+}
+
+Fault fault_of_jpeg(const BigEndian& in, const TransferSyntax& syntax, const PictureClaim& claim) {
+  const bool is_ls = syntax.packing == Packing::kJpegLs;
+  if (!in.has(0, 4) || in.u16(0) != 0xFFD8) return kBroken;
+  std::uint32_t frames = 0, scans = 0, segments = 0;
+  constexpr std::uint32_t kMostSegments = 1000;
+  for (std::size_t at = 2; at + 2 <= in.size();) {
+    const std::uint32_t marker = in.u16(at);
+    if (marker == 0xFFFF) {  // fill
+      ++at;
+      continue;
+    }
+    if (marker == 0xFFD9) break;  // the end; decoders look no further
+    if (marker < 0xFFC0 || !in.has(at, 4) || in.u16(at + 2) < 2) return kBroken;
+    const std::size_t length = in.u16(at + 2);
+    if (!in.has(at, 2 + length)) return kBroken;
+    if (++segments > kMostSegments) return kOverdone;
+    if (marker == 0xFFDA) {
+      if (frames == 0) return kBroken;
+      if (++scans > claim.components) return kOverdone;
+      at = past_scan(in, at + 2 + length, is_ls);
+      continue;
+    }
+    if (is_frame(marker)) {
+      if (++frames > 1 || length < 8) return kBroken;
+      const JpegFrame frame{marker, in.u8(at + 4), in.u16(at + 5), in.u16(at + 7), in.u8(at + 9)};
+      if (auto fault = fault_of_frame(frame, syntax, claim)) return fault;
+    }
+    // A height that comes later; arithmetic coding; another size, palettes.
+    const bool preset = is_ls && marker == 0xFFF8 && (length < 3 || in.u8(at + 4) != 1);
+    if (marker == 0xFFDC || marker == 0xFFCC || preset) return kOtherKind;
+    at += 2 + length;
+  }
+  return frames == 1 && scans > 0 ? std::nullopt : Fault(kBroken);
+}
+
+/// How many bytes a segment unpacks to (PackBits), or `most` + 1 as soon as it is more.
+std::uint64_t unpacked(const BigEndian& in, std::size_t at, std::size_t end, std::uint64_t most) {
+  std::uint64_t bytes = 0;
+  while (at < end && bytes <= most) {
+    const std::uint32_t control = in.u8(at);
+    if (control == 0x80) {
+      ++at;
+    } else if (control < 0x80) {
+      const std::size_t run = control + 1;
+      if (run > end - at - 1) break;  // cut off
+      bytes += run;
+      at += 1 + run;
+    } else {
+      if (end - at < 2) break;
+      bytes += 257 - control;
+      at += 2;
+    }
+  }
+  return std::min(bytes, most + 1);
+}
+
+Fault fault_of_rle(std::span<const std::byte> picture, const PictureClaim& claim) {
+  constexpr std::size_t kHeader = 64;
+  const BigEndian in(picture);
+  if (picture.size() < kHeader) return kBroken;
+  const auto word = [&](std::size_t n) {  // the header is little endian
+    const std::size_t at = 4 * n;
+    return in.u8(at) | in.u8(at + 1) << 8 | in.u8(at + 2) << 16 | in.u8(at + 3) << 24;
+  };
+  const std::uint32_t segments = word(0);
+  if (segments != claim.components * ((claim.bits + 7) / 8) || segments > 15) return kBroken;
+  const std::uint64_t expected = std::uint64_t{claim.width} * claim.height;
+  for (std::uint32_t n = 1; n <= segments; ++n) {
+    const std::size_t begin = word(n), end = n < segments ? word(n + 1) : picture.size();
+    if (begin < kHeader || begin >= end || end > picture.size()) return kBroken;
+    // Some writers go on for a run.
+    const std::uint64_t bytes = unpacked(in, begin, end, expected + 128);
+    if (bytes < expected || bytes > expected + 128) return kOtherSize;
   }
   return std::nullopt;
 }
 
 }  // namespace
 
-std::optional<PictureSize> picture_size(std::span<const std::byte> fragment, Packing packing) {
-  const Bytes in(fragment);
-  switch (packing) {
+std::optional<std::string_view> fault_of(std::span<const std::byte> picture,
+                                         const TransferSyntax& syntax, const PictureClaim& claim) {
+  switch (syntax.packing) {
     case Packing::kJpeg:
     case Packing::kJpegLs:
-      return of_jpeg(in);
+      return fault_of_jpeg(BigEndian(picture), syntax, claim);
     case Packing::kJpeg2000:
-      return of_jpeg2000(in);
-    case Packing::kNative:
+      return fault_of_jpeg2000(BigEndian(picture), claim);
     case Packing::kRle:
+      return fault_of_rle(picture, claim);
+    case Packing::kNative:
       break;
   }
-  return std::nullopt;
+  return kOtherKind;
 }
 
 }  // namespace diaphane::dicom

@@ -17,6 +17,7 @@ using Bytes = std::span<const std::byte>;
 
 constexpr std::size_t kPreamble = 128;
 constexpr std::string_view kExplicitLittle = "1.2.840.10008.1.2.1";
+constexpr std::string_view kExplicitBig = "1.2.840.10008.1.2.2";
 constexpr std::string_view kImplicitLittle = "1.2.840.10008.1.2";
 
 std::uint32_t byte(Bytes in, std::size_t at) { return std::to_integer<std::uint32_t>(in[at]); }
@@ -65,9 +66,12 @@ Meta read_meta(Bytes file, std::size_t at) {
 
 /// What a data set without a header is written in, judged by its first element; nothing: not DICOM.
 std::optional<std::string_view> guess_syntax(Bytes data) {
-  if (data.size() < 8 || u16(data, 0) != 0x0008 || u16(data, 2) > 0x2300) return std::nullopt;
+  if (data.size() < 8) return std::nullopt;
   const auto is_capital = [](std::uint32_t c) { return c >= 'A' && c <= 'Z'; };
-  if (is_capital(byte(data, 4)) && is_capital(byte(data, 5))) return kExplicitLittle;
+  const bool names = is_capital(byte(data, 4)) && is_capital(byte(data, 5));
+  if (names && u16(data, 0) == 0x0800 && byte(data, 2) <= 0x23) return kExplicitBig;
+  if (u16(data, 0) != 0x0008 || u16(data, 2) > 0x2300) return std::nullopt;
+  if (names) return kExplicitLittle;
   if (u32(data, 4) <= data.size() - 8) return kImplicitLittle;
   return std::nullopt;
 }
@@ -106,9 +110,9 @@ Inflated inflate_all(Bytes packed, std::uint64_t limit) {
   return result;
 }
 
-/// A file of the elements kept, behind the shortest header.
+/// A file of the elements kept, behind the shortest header; `places`: where they stand in it.
 std::vector<std::byte> plain_file(Bytes data, const std::vector<Range>& kept,
-                                  std::string_view syntax) {
+                                  std::string_view syntax, std::vector<Range>& places) {
   std::string uid(syntax);
   if (uid.size() % 2 != 0) uid += '\0';
   std::string head(kPreamble, '\0');
@@ -126,12 +130,26 @@ std::vector<std::byte> plain_file(Bytes data, const std::vector<Range>& kept,
   for (const Range& range : kept) size += range.end - range.begin;
   std::vector<std::byte> file(size);
   std::memcpy(file.data(), head.data(), head.size());
-  auto to = file.begin() + static_cast<std::ptrdiff_t>(head.size());
+  std::size_t to = head.size();
   for (const Range& range : kept) {
-    const Bytes part = data.subspan(range.begin, range.end - range.begin);
-    to = std::copy(part.begin(), part.end(), to);
+    const std::size_t length = range.end - range.begin;
+    std::memcpy(file.data() + to, data.data() + range.begin, length);
+    places.push_back({range.tag, to, to + length});
+    to += length;
   }
   return file;
+}
+
+/// The values of functional groups as texts of their own.
+std::vector<GroupedText> texts_of(Bytes data, const std::vector<Range>& ranges) {
+  std::vector<GroupedText> texts;
+  texts.reserve(ranges.size());
+  for (const Range& range : ranges) {
+    texts.push_back(
+        {range.tag, std::string(reinterpret_cast<const char*>(data.data()) + range.begin,
+                                range.end - range.begin)});
+  }
+  return texts;
 }
 
 /// a x b, or the largest number when that does not fit.
@@ -140,23 +158,55 @@ std::uint64_t times(std::uint64_t a, std::uint64_t b) {
   return __builtin_mul_overflow(a, b, &product) ? UINT64_MAX : product;
 }
 
+/// Compressed pictures against what the header says of them.
+std::optional<std::string_view> fault_of_fragments(Bytes data, const Walked& walked,
+                                                   const Precheck& header) {
+  constexpr std::string_view kOtherNumber = "there are more or fewer pictures than there should be";
+  const PictureClaim claim{header.columns, header.rows, walked.samples.value_or(1),
+                           walked.bits_allocated.value_or(16)};
+  std::vector<Bytes> fragments;  // without the first, the table of offsets
+  for (std::size_t i = 1; i < walked.fragments.size(); ++i) {
+    const Range& at = walked.fragments[i];
+    fragments.push_back(data.subspan(at.begin, at.end - at.begin));
+  }
+  if (fragments.empty()) return "compressed pixels are missing";
+  // One picture may come in pieces; of several each is one.
+  if (header.frames == 1 && fragments.size() > 1 && header.syntax.packing != Packing::kRle) {
+    std::vector<std::byte> joined;
+    for (const Bytes& part : fragments) {
+      const bool begins = part.size() >= 2 && part[0] == std::byte{0xFF} &&
+                          (part[1] == std::byte{0xD8} || part[1] == std::byte{0x4F});
+      if (begins && !joined.empty()) return kOtherNumber;
+      joined.insert(joined.end(), part.begin(), part.end());
+    }
+    return fault_of(joined, header.syntax, claim);
+  }
+  if (fragments.size() != header.frames) return kOtherNumber;
+  for (const Bytes& picture : fragments) {
+    if (auto fault = fault_of(picture, header.syntax, claim)) return fault;
+  }
+  return std::nullopt;
+}
+
 /// The picture against the limits and against the bytes that are there.
-void check_pixels(const Walked& walked, const Limits& limits, Precheck& result) {
+void check_pixels(Bytes data, const Walked& walked, const Limits& limits, Precheck& result) {
   result.rows = walked.rows.value_or(0);
   result.columns = walked.columns.value_or(0);
   result.frames = walked.frames.value_or(1);
   result.has_pixels = walked.has_pixels;
   const std::uint64_t bits = walked.bits_allocated.value_or(16);
-  std::uint64_t picture = times(result.rows, result.columns);
-  picture = times(picture, walked.samples.value_or(1));
-  picture = times(picture, result.frames);
-  const std::uint64_t bytes = times(picture, std::max<std::uint64_t>((bits + 7) / 8, 1));
-  const auto refuse_with = [&](FileState state, const char* text) {
+  std::uint64_t frame = times(times(result.rows, result.columns), walked.samples.value_or(1));
+  frame = times(frame, std::max<std::uint64_t>((bits + 7) / 8, 1));
+  const std::uint64_t bytes = times(frame, result.frames);
+  const auto refuse_with = [&](FileState state, std::string_view text) {
     result.state = state;
     result.text = text;
   };
-  if (bytes > limits.pixel_bytes) {
+  if (frame > limits.frame_bytes || bytes > limits.pixel_bytes) {
     return refuse_with(FileState::kTooLarge, "the picture is larger than is allowed");
+  }
+  if (result.frames > limits.frames) {
+    return refuse_with(FileState::kTooLarge, "there are more frames than are allowed");
   }
   if (!walked.has_pixels) return;
   if (!walked.encapsulated) {
@@ -171,14 +221,10 @@ void check_pixels(const Walked& walked, const Limits& limits, Precheck& result) 
   if (result.syntax.packing == Packing::kNative) {
     return refuse_with(FileState::kDamaged, "pixels are compressed in an unknown way");
   }
-  if (result.syntax.packing == Packing::kRle) return;
-  const auto inside = picture_size(walked.first_fragment, result.syntax.packing);
-  if (!inside) return refuse_with(FileState::kDamaged, "the compressed picture is broken");
-  if (inside->width != result.columns || inside->height != result.rows ||
-      inside->components != walked.samples.value_or(1)) {
-    return refuse_with(FileState::kDamaged,
-                       "the compressed picture has another size than it should");
+  if (const auto fault = fault_of_fragments(data, walked, result)) {
+    return refuse_with(FileState::kDamaged, *fault);
   }
+  result.unpacked_bytes = std::max(result.unpacked_bytes, bytes);
 }
 
 }  // namespace
@@ -210,23 +256,46 @@ Precheck precheck(Bytes file, const Limits& limits) {
   Precheck result;
   result.state = FileState::kFit;
   result.syntax = *syntax;
+  // What it cost so far counts also of a file that is refused.
+  const auto give_up = [&](FileState state, std::string text) {
+    Precheck refusal = refuse(state, std::move(text));
+    refusal.unpacked_bytes = result.unpacked_bytes;
+    return refusal;
+  };
   Inflated inflated;
   if (syntax->deflated) {
-    inflated = inflate_all(data, limits.inflated_bytes);
+    const std::uint64_t most = limits.inflated_free + times(limits.inflated_ratio, data.size());
+    inflated = inflate_all(data, std::min(limits.inflated_bytes, most));
+    result.unpacked_bytes = inflated.data.size();
     if (inflated.state == FileState::kTooLarge) {
-      return refuse(FileState::kTooLarge, "the file unpacks to more than is allowed");
+      return give_up(FileState::kTooLarge, "the file unpacks to more than is allowed");
     }
     if (inflated.state != FileState::kFit) {
-      return refuse(FileState::kDamaged, "the file cannot be unpacked");
+      return give_up(FileState::kDamaged, "the file cannot be unpacked");
     }
     data = inflated.data;
   }
   const Walked walked = walk(data, syntax->explicit_vr, syntax->big_endian, limits);
-  if (walked.state != FileState::kFit) return refuse(walked.state, walked.text);
-  check_pixels(walked, limits, result);
-  if (result.state != FileState::kFit) return refuse(result.state, std::move(result.text));
+  if (walked.state != FileState::kFit) return give_up(walked.state, walked.text);
+  check_pixels(data, walked, limits, result);
+  if (result.state != FileState::kFit) return give_up(result.state, std::move(result.text));
   result.has_lookup_table = walked.has_lookup_table;
-  result.plain = plain_file(data, walked.kept, syntax->deflated ? kExplicitLittle : syntax->uid);
+  if (syntax->deflated) result.syntax = *find_syntax(kExplicitLittle);  // as `plain` is
+  result.plain = plain_file(data, walked.kept, result.syntax.uid, result.elements);
+  if (walked.has_pixels && !walked.encapsulated) {
+    const std::size_t end = result.plain.size();
+    result.fragments.push_back({walked.kept.back().tag, end - walked.pixel_length, end});
+  } else if (walked.encapsulated) {
+    // The pixels are the last element: what was kept of them lies as far from its end as before.
+    const std::size_t end = walked.kept.back().end;
+    for (const Range& fragment : walked.fragments) {
+      result.fragments.push_back({fragment.tag, result.plain.size() - (end - fragment.begin),
+                                  result.plain.size() - (end - fragment.end)});
+    }
+  }
+  result.has_groups = walked.has_groups;
+  result.shared = texts_of(data, walked.shared);
+  for (const auto& frame : walked.each) result.each.push_back(texts_of(data, frame));
   return result;
 }
 

@@ -143,7 +143,9 @@ TEST(Precheck, ABombOfNestedSequencesIsRefusedWithoutACrash) {
 TEST(Precheck, TooManyElementsAreRefused) {
   std::string file = header();
   for (int i = 0; i < 120000; ++i) file += element(0x11, 0x1000 + (i & 0xFF), "LO", "");
-  EXPECT_EQ(check(file).state, FileState::kTooLarge);
+  Limits limits;
+  limits.elements = 100000;
+  EXPECT_EQ(check(file, limits).state, FileState::kTooLarge);
 }
 
 TEST(Precheck, ALengthBeyondTheFileIsDamage) {
@@ -189,17 +191,72 @@ TEST(Precheck, ADeflateBombIsStoppedAtItsCap) {
 TEST(Precheck, ACompressedPictureOfAnotherSizeIsDamage) {
   // A header that says 4 x 4 around a JPEG of 60000 x 60000: its decoder would believe the JPEG.
   const std::string sof("\xFF\xD8\xFF\xC3\x00\x0B\x10\xEA\x60\xEA\x60\x01\x01\x11\x00", 15);
+  const std::string scan("\xFF\xDA\x00\x08\x01\x01\x00\x01\x00\x00 data \xFF\xD9", 18);
   const auto file = [&](const std::string& jpeg) {
     return header("1.2.840.10008.1.2.4.70") + sizes(4, 4) +
            wide(0x7FE0, 0x10, "OB", 0xFFFFFFFF,
                 item(0) + item(static_cast<std::uint32_t>(jpeg.size())) + jpeg + u16(0xFFFE) +
                     u16(0xE0DD) + u32(0));
   };
-  EXPECT_EQ(check(file(sof + "x")).state, FileState::kDamaged);
-  std::string right = sof + "x";
+  EXPECT_EQ(check(file(sof + scan)).state, FileState::kDamaged);
+  std::string right = sof + scan;
   right.replace(7, 4, std::string("\x00\x04\x00\x04", 4));
   EXPECT_EQ(check(file(right)).state, FileState::kFit) << check(file(right)).text;
   EXPECT_EQ(check(file("no JPEG.")).state, FileState::kDamaged);
+  EXPECT_EQ(check(file(right.substr(0, 15))).state, FileState::kDamaged) << "no scan";
+  EXPECT_EQ(check(file(right.substr(0, 15) + scan.substr(0, 16) + scan)).state, FileState::kDamaged)
+      << "a scan more than components";
+  EXPECT_EQ(check(file(right.substr(0, 15) + sof.substr(2) + scan)).state, FileState::kDamaged)
+      << "a second size";
+  for (const int marker : {0xC0, 0xC1, 0xC2, 0xCB}) {
+    std::string other = right;
+    other[3] = static_cast<char>(marker);
+    EXPECT_EQ(check(file(other)).state, FileState::kDamaged) << "another process than 1.2...4.70";
+  }
+  for (const int bits : {0, 2, 7, 17, 200}) {
+    std::string other = right;
+    other[6] = static_cast<char>(bits);
+    EXPECT_EQ(check(file(other)).state, FileState::kDamaged) << bits;
+  }
+}
+
+TEST(Precheck, RunLengthsUnpackToThePictureAndNoMore) {
+  const auto file = [&](const std::string& frame, std::uint32_t segments) {
+    std::string head = u32(segments) + u32(64) + u32(64 + static_cast<std::uint32_t>(frame.size()));
+    head.resize(64);
+    const std::string all = head + frame + frame;
+    return header("1.2.840.10008.1.2.5") + sizes(16, 16) +
+           wide(0x7FE0, 0x10, "OB", 0xFFFFFFFF,
+                item(0) + item(static_cast<std::uint32_t>(all.size())) + all + u16(0xFFFE) +
+                    u16(0xE0DD) + u32(0));
+  };
+  const std::string run("\x81\x00", 2);  // 128 zeros
+  EXPECT_EQ(check(file(run + run, 2)).state, FileState::kFit) << check(file(run + run, 2)).text;
+  EXPECT_EQ(check(file(run + run + "\x80\x80", 2)).state, FileState::kFit) << "filled up";
+  EXPECT_EQ(check(file(run, 2)).state, FileState::kDamaged);
+  EXPECT_EQ(check(file(run + run + run + run, 2)).state, FileState::kDamaged);
+  EXPECT_EQ(check(file(run + run, 1)).state, FileState::kDamaged);
+  EXPECT_EQ(check(file(run + run, 0xF0000002)).state, FileState::kDamaged);
+}
+
+TEST(Precheck, WhatCompressedFilesBecomeIsCounted) {
+  const std::string packed =
+      header("1.2.840.10008.1.2.1.99") + deflated(sizes(2, 3) + pixels(12, std::string(12, 'p')));
+  EXPECT_EQ(check(packed).unpacked_bytes, (sizes(2, 3) + pixels(12, std::string(12, 'p'))).size());
+  EXPECT_EQ(check(header() + sizes(2, 3) + pixels(12, std::string(12, 'p'))).unpacked_bytes, 0u);
+  Limits limits;
+  limits.inflated_free = 1 << 20;
+  const std::string bomb = header("1.2.840.10008.1.2.1.99") + deflated(std::string(4 << 20, '\0'));
+  EXPECT_EQ(check(bomb, limits).state, FileState::kTooLarge);
+  EXPECT_GT(check(bomb, limits).unpacked_bytes, 0u) << "what it cost counts although it is refused";
+}
+
+TEST(Precheck, PixelsOfAnotherRepresentationAreDamage) {
+  for (const char* vr : {"SQ", "UN", "UT"}) {
+    EXPECT_EQ(check(header() + sizes(2, 3) + wide(0x7FE0, 0x10, vr, 12, item(4) + "1234")).state,
+              FileState::kDamaged)
+        << vr;
+  }
 }
 
 TEST(Precheck, WhatCanBeUnderstoodInTwoWaysIsDamage) {
@@ -276,7 +333,10 @@ TEST(Precheck, WhatPassesItAfterAnyChangeIsReadOrRefusedWithoutACrash) {
     }
     ++passed;
     EXPECT_LE(std::uint64_t{checked.rows} * checked.columns * 2, limits.pixel_bytes * 2);
-    if (auto slice = read_slice(checked)) (void)read_values(checked, *slice);
+    const auto slices = read_slices(checked);
+    for (const Slice& slice : slices.value_or(std::vector<Slice>())) {
+      (void)read_values(checked, slice);
+    }
   }
   EXPECT_GT(passed, 500u) << "else nothing was tried";
 }

@@ -49,6 +49,47 @@ void silence_gdcm() {
   static_cast<void>(done);
 }
 
+std::string trimmed(std::string text) {
+  const auto blank = [](char c) { return c == ' ' || c == '\0'; };
+  while (!text.empty() && blank(text.back())) text.pop_back();
+  const auto begin = std::find_if_not(text.begin(), text.end(), blank);
+  return {begin, text.end()};
+}
+
+std::optional<double> number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+/// The parts of a value of several, which stand between backslashes.
+std::vector<std::string> split(const std::string& all) {
+  std::vector<std::string> parts;
+  for (std::size_t from = 0; !all.empty() && from <= all.size();) {
+    const std::size_t to = std::min(all.find('\\', from), all.size());
+    parts.push_back(trimmed(all.substr(from, to - from)));
+    from = to + 1;
+  }
+  return parts;
+}
+
+/// Exactly N decimal strings, or nothing.
+template <std::size_t N>
+std::optional<std::array<double, N>> numbers_of(const std::vector<std::string>& parts) {
+  if (parts.size() != N) return std::nullopt;
+  std::array<double, N> values{};
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto value = number(parts[i]);
+    if (!value) return std::nullopt;
+    values[i] = *value;
+  }
+  return values;
+}
+
 class Elements {
  public:
   explicit Elements(const gdcm::DataSet& set) : set_(set) {}
@@ -60,28 +101,11 @@ class Elements {
   }
 
   std::vector<std::string> texts(std::uint16_t group, std::uint16_t element) const {
-    std::vector<std::string> parts;
-    const std::string all = text(group, element);
-    for (std::size_t from = 0; !all.empty() && from <= all.size();) {
-      const std::size_t to = std::min(all.find('\\', from), all.size());
-      parts.push_back(trimmed(all.substr(from, to - from)));
-      from = to + 1;
-    }
-    return parts;
+    return split(text(group, element));
   }
-
-  /// Exactly N decimal strings, or nothing.
   template <std::size_t N>
   std::optional<std::array<double, N>> numbers(std::uint16_t group, std::uint16_t element) const {
-    const std::vector<std::string> parts = texts(group, element);
-    if (parts.size() != N) return std::nullopt;
-    std::array<double, N> values{};
-    for (std::size_t i = 0; i < N; ++i) {
-      const auto value = number(parts[i]);
-      if (!value) return std::nullopt;
-      values[i] = *value;
-    }
-    return values;
+    return numbers_of<N>(texts(group, element));
   }
 
   /// The first of one or more decimal strings.
@@ -103,23 +127,6 @@ class Elements {
   const gdcm::ByteValue* bytes(std::uint16_t group, std::uint16_t element) const {
     const gdcm::Tag tag(group, element);
     return set_.FindDataElement(tag) ? set_.GetDataElement(tag).GetByteValue() : nullptr;
-  }
-
-  static std::string trimmed(std::string text) {
-    const auto blank = [](char c) { return c == ' ' || c == '\0'; };
-    while (!text.empty() && blank(text.back())) text.pop_back();
-    const auto begin = std::find_if_not(text.begin(), text.end(), blank);
-    return {begin, text.end()};
-  }
-
-  static std::optional<double> number(std::string_view text) {
-    if (text.starts_with('+')) text.remove_prefix(1);
-    double value = 0;
-    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(value)) {
-      return std::nullopt;
-    }
-    return value;
   }
 
   const gdcm::DataSet& set_;
@@ -153,6 +160,21 @@ std::optional<std::array<double, 2>> padding_of(const Elements& in, bool is_sign
   return std::array{std::min(from, to), std::max(from, to)};
 }
 
+/// Numbers in mm that a scanner can mean; others count as not there, like words. Beyond, sums and
+/// squares of them leave the numbers that there are.
+template <std::size_t N>
+std::optional<std::array<double, N>> within(std::optional<std::array<double, N>> values,
+                                            double least, double most) {
+  const auto sane = [&](double v) {
+    return v == 0 || (std::abs(v) >= least && std::abs(v) <= most);
+  };
+  if (values && !std::all_of(values->begin(), values->end(), sane)) return std::nullopt;
+  return values;
+}
+
+constexpr double kFarthest = 1e5;  ///< of a position, mm
+constexpr double kFinest = 1e-4, kCoarsest = 1e3;
+
 Slice slice_of(const Elements& in) {
   Slice slice;
   slice.kind = kind_of(in.text(0x0008, 0x0016), slice.modality);
@@ -160,6 +182,7 @@ Slice slice_of(const Elements& in) {
   slice.series_uid = in.text(0x0020, 0x000E);
   slice.sop_uid = in.text(0x0008, 0x0018);
   slice.image_type = in.texts(0x0008, 0x0008);
+  slice.is_lossy = in.text(0x0028, 0x2110) == "01";
   slice.rows = in.us(0x0028, 0x0010).value_or(0);
   slice.columns = in.us(0x0028, 0x0011).value_or(0);
   slice.samples = in.us(0x0028, 0x0002).value_or(1);
@@ -174,12 +197,71 @@ Slice slice_of(const Elements& in) {
   const auto intercept = in.first(0x0028, 0x1052);
   slice.rescale = {slope.value_or(1), intercept.value_or(0), slope && intercept};
   slice.padding = padding_of(in, slice.layout.is_signed);
-  slice.position = in.numbers<3>(0x0020, 0x0032);
+  slice.position = within(in.numbers<3>(0x0020, 0x0032), 0, kFarthest);
   slice.orientation = in.numbers<6>(0x0020, 0x0037);
-  slice.pixel_spacing = in.numbers<2>(0x0028, 0x0030);
+  slice.pixel_spacing = within(in.numbers<2>(0x0028, 0x0030), kFinest, kCoarsest);
   slice.window_center = in.first(0x0028, 0x1050).value_or(0);
   slice.window_width = std::max(in.first(0x0028, 0x1051).value_or(0), 0.0);
   return slice;
+}
+
+/// Takes what a functional group says into the slice of a frame.
+void apply(const std::vector<GroupedText>& said, Slice& slice) {
+  for (const GroupedText& one : said) {
+    const std::vector<std::string> parts = split(trimmed(one.value));
+    const auto first = parts.empty() ? std::nullopt : number(parts.front());
+    switch (one.tag) {
+      case 0x00200032:
+        slice.position = numbers_of<3>(parts);
+        break;
+      case 0x00200037:
+        slice.orientation = numbers_of<6>(parts);
+        break;
+      case 0x00280030:
+        slice.pixel_spacing = numbers_of<2>(parts);
+        break;
+      case 0x00281052:
+        slice.rescale.intercept = first.value_or(0);
+        slice.rescale.present = true;
+        break;
+      case 0x00281053:
+        slice.rescale.slope = first.value_or(1);
+        slice.rescale.present = true;
+        break;
+      case 0x00281050:
+        slice.window_center = first.value_or(0);
+        break;
+      case 0x00281051:
+        slice.window_width = std::max(first.value_or(0), 0.0);
+        break;
+      case 0x00209056:
+        slice.stack = parts.empty() ? "" : parts.front();
+        break;
+      case 0x00089007:
+        slice.image_type = parts;
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+/// The slices of an enhanced file. A frame of which nothing at all is said is passed over: that is
+/// how the browser marks what the person did not choose.
+std::vector<Slice> frames_of(const Precheck& checked, Slice common) {
+  const std::uint64_t frames = common.frames;
+  common.one_of_frames = true;
+  common.frames = 1;
+  apply(checked.shared, common);
+  std::vector<Slice> slices;
+  for (std::size_t i = 0; i < frames; ++i) {
+    const bool silent = i < checked.each.size() && checked.each[i].empty();
+    if (silent && frames > 1 && !common.position) continue;
+    Slice& slice = slices.emplace_back(common);
+    slice.frame = i;
+    if (i < checked.each.size()) apply(checked.each[i], slice);
+  }
+  return slices;
 }
 
 }  // namespace
@@ -188,9 +270,9 @@ bool Slice::is_scout() const {
   return std::find(image_type.begin(), image_type.end(), "LOCALIZER") != image_type.end();
 }
 
-Result<Slice> read_slice(const Precheck& checked) {
+Result<std::vector<Slice>> read_slices(const Precheck& checked) {
   silence_gdcm();
-  if (!checked.has_pixels) return Slice{};  // a report, a plan, a directory: no slice
+  if (!checked.has_pixels) return std::vector{Slice{}};  // a report, a plan, a directory: no slice
   ByteBuffer buffer(checked.plain);
   std::istream stream(&buffer);
   gdcm::Reader reader;
@@ -209,13 +291,23 @@ Result<Slice> read_slice(const Precheck& checked) {
   }
   slice.has_pixels = checked.has_pixels;
   slice.has_lookup_table = checked.has_lookup_table;
-  return slice;
+  slice.is_lossy = slice.is_lossy || checked.syntax.lossy;
+  if (slice.kind != Kind::kMultiFrame || !checked.has_groups) return std::vector{slice};
+  if (!checked.each.empty() && checked.each.size() != checked.frames) {
+    return fail(ErrorCode::kInvalid, "the number of frames is unclear");
+  }
+  return frames_of(checked, std::move(slice));
 }
 
-Result<std::vector<std::int32_t>> read_values(const Precheck& checked, const Slice& slice) {
+Result<Values> read_values(const Precheck& checked, const Slice& slice, double unit) {
   silence_gdcm();
   if (!checked.has_pixels) return fail(ErrorCode::kInvalid, "a slice has no pixels");
-  ByteBuffer buffer(checked.plain);
+  std::vector<std::byte> one;
+  if (checked.frames > 1 || slice.one_of_frames) {
+    one = frame_file(checked, slice.frame);
+    if (one.empty()) return fail(ErrorCode::kInvalid, "it is unclear which pixels are a slice's");
+  }
+  ByteBuffer buffer(one.empty() ? checked.plain : one);
   std::istream stream(&buffer);
   gdcm::ImageReader reader;
   reader.SetStream(stream);
@@ -238,7 +330,7 @@ Result<std::vector<std::int32_t>> read_values(const Precheck& checked, const Sli
     if (!image.GetBuffer(reinterpret_cast<char*>(raw.data()))) {
       return fail(ErrorCode::kInvalid, "the pixels of a slice cannot be decoded");
     }
-    return to_values(raw, layout, slice);
+    return to_values(raw, layout, slice, unit);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kOutOfMemory, "a slice needs more memory than is allowed");
   } catch (const std::exception&) {

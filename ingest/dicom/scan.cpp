@@ -1,8 +1,8 @@
 #include "ingest/dicom/scan.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
-#include <utility>
 
 #include "ingest/dicom/read_slice.h"
 
@@ -86,30 +86,45 @@ Choice refuse_largest(const Scan& scan) {
 
 Result<Scan> scan(FileSource& source, const ScanLimits& limits) {
   Scan result;
-  std::map<std::pair<std::string, std::string>, std::size_t> known;  // series and patient
+  std::map<std::array<std::string, 3>, std::size_t> known;  // series, patient and stack
+  std::size_t taken = 0;
+  std::uint64_t packed = 0, unpacked = 0;
   const auto look = [&](std::size_t index, FileSource::Bytes bytes) -> Result<void> {
     if (++result.files > limits.most_files) {
       return fail(ErrorCode::kTooLarge, "there are more files than are allowed");
     }
     const Precheck checked = precheck(bytes, limits.file);
+    if (checked.unpacked_bytes > 0) {
+      unpacked += checked.unpacked_bytes;
+      packed += bytes.size();
+      if (unpacked >
+          std::min(limits.unpacked_bytes, limits.unpacked_free + limits.unpacked_ratio * packed)) {
+        return fail(ErrorCode::kTooLarge, "the files unpack to more than is allowed");
+      }
+    }
     if (checked.state != FileState::kFit) {
       count(checked, result.left_out);
       return {};
     }
-    auto slice = read_slice(checked);
-    if (!slice) {
+    auto slices = read_slices(checked);
+    if (!slices) {
       ++result.left_out.damaged;
       return {};
     }
-    if (slice->kind == Kind::kOther || !slice->has_pixels) {
+    if (slices->empty() || slices->front().kind == Kind::kOther || !slices->front().has_pixels) {
       ++result.left_out.not_slices;
       return {};
     }
-    slice->file = index;
-    const auto [found, is_new] =
-        known.emplace(std::pair(slice->series_uid, slice->patient), result.series.size());
-    if (is_new) result.series.emplace_back();
-    result.series[found->second].slices.push_back(std::move(*slice));
+    if ((taken += slices->size()) > limits.most_files) {
+      return fail(ErrorCode::kTooLarge, "there are more slices than are allowed");
+    }
+    for (Slice& slice : *slices) {
+      slice.file = index;
+      const auto [found, is_new] = known.emplace(
+          std::array{slice.series_uid, slice.patient, slice.stack}, result.series.size());
+      if (is_new) result.series.emplace_back();
+      result.series[found->second].slices.push_back(std::move(slice));
+    }
     return {};
   };
   if (auto ok = source.visit([](std::size_t) { return true; }, look); !ok) {

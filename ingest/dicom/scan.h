@@ -13,7 +13,7 @@
 
 namespace diaphane::dicom {
 
-/// One series of one patient, as found.
+/// One series of one patient, as found; of an enhanced file, one stack of it.
 struct Series {
   std::vector<Slice> slices;
   Assessment assessment;
@@ -39,11 +39,16 @@ struct Scan {
 struct ScanLimits {
   Limits file;
   std::uint64_t most_voxels = std::uint64_t{1} << 30;  ///< of one volume: 2 GiB of int16
-  std::size_t most_files = 20000;
+  std::size_t most_files = 20000;                      ///< and slices
+  /// What compressed files may become together: this much, and beyond it so many times their own
+  /// length (real slices, lossless: 2 to 10 times), and never more than the last.
+  std::uint64_t unpacked_free = std::uint64_t{1} << 27;
+  std::uint32_t unpacked_ratio = 32;
+  std::uint64_t unpacked_bytes = std::uint64_t{1} << 33;
 };
 
 /// Looks through all files: pre-check, header, series by identifier and patient, judgement of each.
-/// kTooLarge for more files than the limit; what `source` fails with.
+/// kTooLarge for more files, or more that unpacks, than the limits; what `source` fails with.
 Result<Scan> scan(FileSource& source, const ScanLimits& limits);
 
 /// Why a scan yields no volume, or which series is the one: the single suitable series.

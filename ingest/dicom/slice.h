@@ -25,7 +25,7 @@ struct PixelLayout {
   bool operator==(const PixelLayout&) const = default;
 };
 
-/// From stored numbers to values.
+/// From stored numbers to values: slope x stored + intercept.
 struct Rescale {
   double slope = 1;
   double intercept = 0;
@@ -36,13 +36,17 @@ struct Rescale {
 /// What one file says about itself, as far as a volume depends on it. Identifiers serve to tell
 /// slices apart while a folder is read; nothing of them is stored, logged or shown.
 struct Slice {
-  std::size_t file = 0;  ///< index in its FileSource
+  std::size_t file = 0;        ///< index in its FileSource
+  std::size_t frame = 0;       ///< of a file with several
+  bool one_of_frames = false;  ///< of an enhanced file, which says of each frame where it lies
   Kind kind = Kind::kOther;
   volume::Modality modality = volume::Modality::kOther;
   std::string patient, series_uid, sop_uid;
+  std::string stack;  ///< frames of one stack lie behind one another; empty outside enhanced files
   std::vector<std::string> image_type;
+  bool is_lossy = false;  ///< was compressed with loss, which alone makes it "DERIVED"
   std::uint16_t rows = 0, columns = 0;
-  std::uint64_t frames = 1;
+  std::uint64_t frames = 1;  ///< more than one: several pictures without a place each
   std::uint16_t samples = 1;
   std::string photometric;
   PixelLayout layout;

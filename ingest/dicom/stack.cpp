@@ -11,6 +11,8 @@
 namespace diaphane::dicom {
 namespace {
 
+constexpr double kRounding = 1e-6;  // mm
+
 double length(const Vec3& v) { return std::sqrt(dot(v, v)); }
 
 std::string counted(std::size_t n, const char* one, const char* many) {
@@ -39,26 +41,140 @@ Stack repeated(Stack stack, std::size_t places) {
                  "Some slices lie at the same position, and it is not known which of them counts.");
 }
 
-/// Uneven distances: slices that are missing, or another scheme altogether.
-Stack uneven(Stack stack, const std::vector<double>& gaps) {
-  std::vector<double> sorted = gaps;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double usual = *middle;
-  std::size_t missing = 0;
-  for (const double gap : gaps) {
-    const double steps = std::round(gap / usual);
-    const double tolerance = std::max(kJitterMm, kJitterShare * usual) * std::max(steps, 1.0);
-    if (steps < 1 || std::abs(gap - steps * usual) > 2 * tolerance) {
-      return refused(
-          std::move(stack), "varying_spacing",
-          "The distance from slice to slice varies; such a series is not supported yet.");
-    }
-    missing += static_cast<std::size_t>(steps) - 1;
+double tolerance_of(double spacing) { return std::max(kJitterMm, kJitterShare * spacing); }
+
+bool alike(double a, double b) {
+  return std::abs(a - b) <= 2 * tolerance_of(std::min(a, b)) + kRounding;
+}
+
+/// Distances that several slices in succession keep, by rising size: what the scanner was set to. A
+/// hole in an even series stands alone.
+std::vector<double> main_gaps(const std::vector<double>& gaps) {
+  constexpr std::size_t kSuccession = 3;
+  std::vector<double> found;
+  for (std::size_t from = 0; from < gaps.size();) {
+    std::size_t to = from + 1;
+    while (to < gaps.size() && alike(gaps[from], gaps[to])) ++to;
+    const double mean = std::accumulate(gaps.begin() + static_cast<std::ptrdiff_t>(from),
+                                        gaps.begin() + static_cast<std::ptrdiff_t>(to), 0.0) /
+                        static_cast<double>(to - from);
+    const bool known =
+        std::any_of(found.begin(), found.end(), [&](double gap) { return alike(gap, mean); });
+    if (to - from >= kSuccession && !known) found.push_back(mean);
+    from = to;
   }
-  return refused(std::move(stack), "missing_slices",
-                 counted(missing, "slice is missing", "slices are missing") +
-                     " within the series; copy the disc again.");
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// How many steps of `usual` each gap is; nothing where one is no whole number of them.
+std::vector<std::size_t> whole_steps(const std::vector<double>& gaps, double usual) {
+  std::vector<std::size_t> steps;
+  for (const double gap : gaps) {
+    const double n = std::round(gap / usual);
+    if (n < 1 || std::abs(gap - n * usual) > 2 * tolerance_of(usual) * n) return {};
+    steps.push_back(static_cast<std::size_t>(n));
+  }
+  return steps;
+}
+
+/// Whether holes alone are what is uneven: with them filled each slice is near its place.
+bool has_holes(const std::vector<std::size_t>& steps, const std::vector<double>& gaps,
+               double height) {
+  const std::size_t all = std::accumulate(steps.begin(), steps.end(), std::size_t{0});
+  if (all == steps.size() || steps.empty()) return false;
+  const double spacing = height / static_cast<double>(all);
+  double at = 0, place = 0;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    at += gaps[i];
+    place += static_cast<double>(steps[i]) * spacing;
+    if (std::abs(at - place) > spacing / 4) return false;
+  }
+  return true;
+}
+
+/// Case 5: even but for holes, which are filled when they are few and small.
+Stack with_holes(Stack stack, const std::vector<std::size_t>& steps, double height) {
+  std::size_t all = 1, largest = 1;
+  for (const std::size_t n : steps) {
+    all += n;
+    largest = std::max(largest, n);
+  }
+  const std::size_t missing = all - stack.order.size();
+  if (static_cast<double>(missing) > kMostMissing * static_cast<double>(all) ||
+      largest > kLargestGap) {
+    return refused(std::move(stack), "missing_slices",
+                   counted(missing, "slice is missing", "slices are missing") +
+                       " within the series; copy the disc again.");
+  }
+  stack.missing = missing;
+  stack.spacing = height / static_cast<double>(all - 1);
+  stack.sources = {Source{}};
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    for (std::size_t k = 1; k <= steps[i]; ++k) {
+      stack.sources.push_back(
+          {static_cast<double>(i) + static_cast<double>(k) / static_cast<double>(steps[i]), {}});
+    }
+  }
+  stack.is_volume = true;
+  return stack;
+}
+
+/// Case 6: computed anew at the smallest distance that counts.
+Stack with_varying(Stack stack, const std::vector<double>& gaps, const std::vector<double>& mains,
+                   double height) {
+  const auto [least, most] = std::minmax_element(gaps.begin(), gaps.end());
+  if (*most > kMostVarying * *least) {
+    return refused(std::move(stack), "varying_spacing",
+                   "The distance from slice to slice varies too much for a volume.");
+  }
+  stack.varying = {*least, *most};
+  std::vector<double> sorted = gaps;
+  std::sort(sorted.begin(), sorted.end());
+  const double wanted = mains.empty() ? sorted[sorted.size() / 10] : mains.front();
+  // Both ends are kept, so the steps are a little finer than was wanted.
+  const double steps = std::ceil(height / wanted - 0.01);
+  stack.spacing = height / steps;
+  std::size_t i = 0;
+  double below = 0;  // mm, the height of slice i
+  for (std::size_t k = 0; k <= static_cast<std::size_t>(steps); ++k) {
+    const double at = std::min(static_cast<double>(k) * stack.spacing, height);
+    while (i + 1 < gaps.size() && below + gaps[i] <= at) below += gaps[i++];
+    double slice = static_cast<double>(i) + std::min((at - below) / gaps[i], 1.0);
+    // A slice that lies in its place is taken as it is.
+    const double off = std::abs(slice - std::round(slice)) * gaps[i];
+    if (off < tolerance_of(stack.spacing)) slice = std::round(slice);
+    stack.sources.push_back({slice, {}});
+  }
+  stack.is_volume = true;
+  return stack;
+}
+
+/// Uneven distances: another scheme, slices that are missing, or no order at all.
+Stack uneven(Stack stack, const std::vector<double>& gaps, double height) {
+  const std::vector<double> mains = main_gaps(gaps);
+  std::vector<double> sorted = gaps;
+  std::sort(sorted.begin(), sorted.end());
+  if (mains.size() < 2) {
+    const double usual = mains.empty() ? sorted[sorted.size() / 2] : mains.front();
+    const std::vector<std::size_t> steps = whole_steps(gaps, usual);
+    if (has_holes(steps, gaps, height)) return with_holes(std::move(stack), steps, height);
+  }
+  return with_varying(std::move(stack), gaps, mains, height);
+}
+
+/// Case 4: each slice of the volume lies where its place in the tilted stack puts it.
+void straighten(Stack& stack, double degrees, double height, double x, double y) {
+  stack.tilt = degrees;
+  if (stack.sources.empty()) {
+    for (std::size_t i = 0; i < stack.order.size(); ++i) {
+      stack.sources.push_back({static_cast<double>(i), {}});
+    }
+  }
+  for (std::size_t k = 0; k < stack.sources.size(); ++k) {
+    const double share = static_cast<double>(k) * stack.spacing / height;
+    stack.sources[k].shift = {share * x, share * y};
+  }
 }
 
 }  // namespace
@@ -105,15 +221,12 @@ Stack arrange(const std::vector<Vec3>& positions, const Axes& axes, double pixel
   const double height = dot(whole, axes.normal);
   const double shift_x = dot(whole, axes.row), shift_y = dot(whole, axes.column);
   const double shear = std::atan2(std::hypot(shift_x, shift_y), height) * 180 / std::numbers::pi;
-  if (shear > kSteepestShear) {
-    char degrees[32];
-    std::snprintf(degrees, sizeof degrees, "%.1f", shear);
+  if (shear > kSteepestTilt) {
     return refused(std::move(stack), "tilted",
-                   "The slices are tilted against their stack by " + std::string(degrees) +
-                       " degrees (gantry tilt); such a series is not supported yet.");
+                   "The slices are shifted against each other too far for a volume.");
   }
   stack.spacing = height / static_cast<double>(n - 1);
-  const double tolerance = std::max(kJitterMm, kJitterShare * stack.spacing);
+  const double tolerance = tolerance_of(stack.spacing);
   double largest_gap_error = 0, largest_shift = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 here = minus(positions[stack.order[i]], first);
@@ -131,12 +244,15 @@ Stack arrange(const std::vector<Vec3>& positions, const Axes& axes, double pixel
                    "Some slices are shifted sideways against the others.");
   }
   // Small steps in one direction add up: a slice must also be near its place.
-  constexpr double kRounding = 1e-6;
   const bool even =
       stack.jitter <= tolerance + kRounding ||
       (largest_gap_error <= tolerance + kRounding && stack.jitter <= stack.spacing / 4);
-  if (!even) return uneven(std::move(stack), gaps);
-  stack.regular = true;
+  stack.is_volume = even;
+  if (!even) {
+    stack.jitter = 0;
+    stack = uneven(std::move(stack), gaps, height);
+  }
+  if (stack.is_volume && shear > kSteepestShear) straighten(stack, shear, height, shift_x, shift_y);
   return stack;
 }
 

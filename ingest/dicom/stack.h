@@ -23,16 +23,29 @@ struct Axes {
 /// Nothing sensible (false) when the two given directions are not unit length and at right angles.
 bool make_axes(const std::array<double, 6>& orientation, Axes& axes);
 
-/// How positions lie along a normal.
-struct Stack {
-  bool regular = false;
-  std::string code, text;          ///< why it is not
-  std::vector<std::size_t> order;  ///< indices of the positions by rising distance along the normal
-  double spacing = 0;              ///< mm, (last - first) / (n - 1)
-  double jitter = 0;               ///< mm, the largest distance of a slice from its place
+/// Where a slice of the volume comes from.
+struct Source {
+  double slice = 0;               ///< place in Stack::order, whole or between two
+  std::array<double, 2> shift{};  ///< mm along row and column, from the first slice's corner to its
+                                  ///< own
 };
 
-/// Precondition: at least two positions. `pixel` is the smaller pixel spacing, mm.
+/// How positions lie along a normal, and what volume they make.
+struct Stack {
+  bool is_volume = false;
+  std::string code, text;          ///< why they make none
+  std::vector<std::size_t> order;  ///< indices of the positions by rising distance along the normal
+  double spacing = 0;              ///< mm, of the volume's slices
+  double jitter = 0;               ///< mm, the largest distance of a slice from its place
+  double tilt = 0;          ///< degrees between the stack and the slices' normal, if straightened
+  std::size_t missing = 0;  ///< slices that are filled in
+  std::array<double, 2> varying{};  ///< mm, the least and the largest distance, if they vary
+  /// The slices of the volume, one a `spacing`; empty when the slices are it as they are.
+  std::vector<Source> sources;
+};
+
+/// Pure (design: ingest, cases 2 to 6, 8 and 11). Precondition: at least two positions. `pixel` is
+/// the smaller pixel spacing, mm.
 Stack arrange(const std::vector<Vec3>& positions, const Axes& axes, double pixel);
 
 }  // namespace diaphane::dicom

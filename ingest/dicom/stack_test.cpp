@@ -53,7 +53,7 @@ TEST(Stack, OrderAndSpacingDoNotDependOnTheOrderOfFilesOrOnHowThePatientLies) {
     std::vector<Vec3> shuffled;
     for (const std::size_t i : shuffle) shuffled.push_back(positions[i]);
     const Stack stack = arrange(shuffled, axes, kPixel);
-    ASSERT_TRUE(stack.regular) << stack.text;
+    ASSERT_TRUE(stack.is_volume) << stack.text;
     EXPECT_NEAR(stack.spacing, 1.25, 1e-9);
     for (std::size_t z = 0; z < stack.order.size(); ++z) EXPECT_EQ(shuffle[stack.order[z]], z);
   }
@@ -69,7 +69,7 @@ TEST(Stack, JitterWithinTwoPercentIsBuiltWithTheMeanSpacing) {
     positions.push_back(at(axes, 0, 0, i * 2.0 + jitter));
   }
   const Stack stack = arrange(positions, axes, kPixel);
-  ASSERT_TRUE(stack.regular) << stack.text;
+  ASSERT_TRUE(stack.is_volume) << stack.text;
   EXPECT_NEAR(stack.spacing, 2, 1e-9);
   EXPECT_GT(stack.jitter, 0.001);
 }
@@ -84,7 +84,40 @@ TEST(Stack, SmallStepsThatAddUpAreNoJitter) {
     positions.push_back(at(axes, 0, 0, z));
     z += i < 200 ? 0.985 : 1.015;
   }
-  EXPECT_FALSE(arrange(positions, axes, kPixel).regular);
+  const Stack stack = arrange(positions, axes, kPixel);
+  ASSERT_TRUE(stack.is_volume) << stack.text;
+  EXPECT_FALSE(stack.sources.empty()) << "computed anew, not taken as they are";
+  EXPECT_NEAR(stack.spacing * static_cast<double>(stack.sources.size() - 1), z - 1.015, 1e-6);
+}
+
+/// Where the plan says that each slice of the volume is taken, in mm along the normal from the
+/// first slice, against where it is to lie.
+void expect_every_slice_in_its_place(const Stack& stack, const std::vector<Vec3>& positions,
+                                     const Axes& axes) {
+  for (std::size_t k = 0; k < stack.sources.size(); ++k) {
+    const auto below = static_cast<std::size_t>(stack.sources[k].slice);
+    const std::size_t above = std::min(below + 1, stack.order.size() - 1);
+    const double share = stack.sources[k].slice - static_cast<double>(below);
+    const auto along = [&](std::size_t i) {
+      return dot(minus(positions[stack.order[i]], positions[stack.order[0]]), axes.normal);
+    };
+    const double taken = along(below) * (1 - share) + along(above) * share;
+    EXPECT_NEAR(taken, static_cast<double>(k) * stack.spacing, 0.021 * stack.spacing) << k;
+  }
+}
+
+TEST(Stack, FewSmallHolesAreFilledFromTheNeighbours) {
+  std::mt19937 random(5);
+  const Axes axes = turned(random);
+  std::vector<Vec3> positions = stack_of(axes, 60, 1.5);
+  positions.erase(positions.begin() + 20, positions.begin() + 22);
+  positions.erase(positions.begin() + 5);
+  const Stack stack = arrange(positions, axes, kPixel);
+  ASSERT_TRUE(stack.is_volume) << stack.text;
+  EXPECT_EQ(stack.missing, 3u);
+  EXPECT_EQ(stack.sources.size(), 60u);
+  EXPECT_NEAR(stack.spacing, 1.5, 1e-9);
+  expect_every_slice_in_its_place(stack, positions, axes);
 }
 
 TEST(Stack, MissingSlicesAreCounted) {
@@ -94,17 +127,40 @@ TEST(Stack, MissingSlicesAreCounted) {
   positions.erase(positions.begin() + 20, positions.begin() + 23);
   positions.erase(positions.begin() + 5);
   const Stack stack = arrange(positions, axes, kPixel);
-  EXPECT_FALSE(stack.regular);
+  EXPECT_FALSE(stack.is_volume);
   EXPECT_EQ(stack.code, "missing_slices");
   EXPECT_NE(stack.text.find("4 slices are missing"), std::string::npos) << stack.text;
 }
 
-TEST(Stack, VaryingDistancesAreRefused) {
+TEST(Stack, TooLargeAHoleIsMissingSlicesHoweverFewTheyAre) {
   std::mt19937 random(5);
   const Axes axes = turned(random);
+  for (const int hole : {2, 3}) {
+    std::vector<Vec3> positions = stack_of(axes, 200, 1);
+    positions.erase(positions.begin() + 77, positions.begin() + 77 + hole);
+    EXPECT_EQ(arrange(positions, axes, kPixel).is_volume, hole == 2) << hole;
+  }
+}
+
+TEST(Stack, VaryingDistancesAreComputedAnewAtTheSmallestThatCounts) {
+  std::mt19937 random(5);
+  const Axes axes = turned(random);
+  // As of a head: fine below, twice as coarse above, which are no missing slices.
+  for (const double coarse : {2.0, 2.5, 7.9}) {
+    std::vector<Vec3> positions;
+    for (int i = 0; i < 20; ++i) positions.push_back(at(axes, 0, 0, i));
+    for (int i = 0; i < 20; ++i) positions.push_back(at(axes, 0, 0, 20 + coarse * i));
+    const Stack stack = arrange(positions, axes, kPixel);
+    ASSERT_TRUE(stack.is_volume) << stack.text;
+    EXPECT_NEAR(stack.spacing, 1, 0.02) << coarse;
+    EXPECT_NEAR(stack.varying[1], coarse, 1e-9);
+    EXPECT_NEAR(stack.spacing * static_cast<double>(stack.sources.size() - 1), 20 + 19 * coarse,
+                1e-9);
+    expect_every_slice_in_its_place(stack, positions, axes);
+  }
   std::vector<Vec3> positions;
   for (int i = 0; i < 20; ++i) positions.push_back(at(axes, 0, 0, i));
-  for (int i = 0; i < 20; ++i) positions.push_back(at(axes, 0, 0, 20 + 2.5 * i));
+  for (int i = 0; i < 20; ++i) positions.push_back(at(axes, 0, 0, 20 + 8.5 * i));
   EXPECT_EQ(arrange(positions, axes, kPixel).code, "varying_spacing");
 }
 
@@ -113,20 +169,25 @@ TEST(Stack, ATiltIsMeasuredByPositionAndOrientation) {
   for (const double degrees : {0.2, 5.0, 18.5, -18.5}) {
     const Axes axes = turned(random);
     std::vector<Vec3> positions;
-    for (int i = 0; i < 30; ++i) {
-      positions.push_back(at(axes, 0, i * 2 * std::tan(degrees * M_PI / 180), i * 2));
-    }
+    const double shift = 2 * std::tan(degrees * M_PI / 180);
+    for (int i = 0; i < 30; ++i) positions.push_back(at(axes, 0, i * shift, i * 2));
     const Stack stack = arrange(positions, axes, kPixel);
-    EXPECT_EQ(stack.code, "tilted") << degrees;
-    char expected[16];
-    std::snprintf(expected, sizeof expected, "%.1f degrees", std::abs(degrees));
-    EXPECT_NE(stack.text.find(expected), std::string::npos) << stack.text;
+    ASSERT_TRUE(stack.is_volume) << degrees;
+    EXPECT_NEAR(stack.tilt, std::abs(degrees), 1e-6);
+    EXPECT_NEAR(stack.spacing, 2, 1e-9);
+    ASSERT_EQ(stack.sources.size(), 30u);
+    EXPECT_NEAR(stack.sources[29].shift[1], 29 * shift, 1e-9);
+    EXPECT_NEAR(stack.sources[29].shift[0], 0, 1e-9);
   }
   const Axes axes = turned(random);
   std::vector<Vec3> positions;
   for (int i = 0; i < 30; ++i)
     positions.push_back(at(axes, 0, i * 2 * std::tan(0.09 * M_PI / 180), i * 2));
-  EXPECT_TRUE(arrange(positions, axes, kPixel).regular) << "0.09 degrees is no tilt";
+  const Stack stack = arrange(positions, axes, kPixel);
+  EXPECT_TRUE(stack.is_volume && stack.sources.empty()) << "0.09 degrees is no tilt";
+  positions.clear();
+  for (int i = 0; i < 30; ++i) positions.push_back(at(axes, 0, i * 3, i * 2));
+  EXPECT_EQ(arrange(positions, axes, kPixel).code, "tilted") << "56 degrees is no gantry";
 }
 
 TEST(Stack, OneShiftedSliceIsRefused) {

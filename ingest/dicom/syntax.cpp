@@ -12,14 +12,14 @@ constexpr std::array<TransferSyntax, 13> kRead{{
     {"1.2.840.10008.1.2.1.99", Packing::kNative, true, false, true},
     {"1.2.840.10008.1.2.2", Packing::kNative, true, true, false},
     {"1.2.840.10008.1.2.5", Packing::kRle, true, false, false},
-    {"1.2.840.10008.1.2.4.50", Packing::kJpeg, true, false, false},
-    {"1.2.840.10008.1.2.4.51", Packing::kJpeg, true, false, false},
+    {"1.2.840.10008.1.2.4.50", Packing::kJpeg, true, false, false, true},
+    {"1.2.840.10008.1.2.4.51", Packing::kJpeg, true, false, false, true},
     {"1.2.840.10008.1.2.4.57", Packing::kJpeg, true, false, false},
     {"1.2.840.10008.1.2.4.70", Packing::kJpeg, true, false, false},
     {"1.2.840.10008.1.2.4.80", Packing::kJpegLs, true, false, false},
-    {"1.2.840.10008.1.2.4.81", Packing::kJpegLs, true, false, false},
+    {"1.2.840.10008.1.2.4.81", Packing::kJpegLs, true, false, false, true},
     {"1.2.840.10008.1.2.4.90", Packing::kJpeg2000, true, false, false},
-    {"1.2.840.10008.1.2.4.91", Packing::kJpeg2000, true, false, false},
+    {"1.2.840.10008.1.2.4.91", Packing::kJpeg2000, true, false, false, true},
 }};
 
 struct Named {

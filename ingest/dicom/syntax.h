@@ -15,6 +15,7 @@ struct TransferSyntax {
   bool explicit_vr = true;
   bool big_endian = false;
   bool deflated = false;
+  bool lossy = false;  ///< may lose something
 };
 
 /// The syntaxes that are read (DICOM PS3.5, annex A); nothing for any other.

@@ -11,8 +11,8 @@ bool is_readable(const PixelLayout& layout) {
          layout.high_bit + 1 >= layout.bits_stored;
 }
 
-std::vector<std::int32_t> to_values(std::span<const std::byte> raw, const PixelLayout& layout,
-                                    const Slice& slice) {
+Values to_values(std::span<const std::byte> raw, const PixelLayout& layout, const Slice& slice,
+                 double unit) {
   const std::size_t count = std::size_t{slice.rows} * slice.columns;
   const std::size_t width = layout.bits_allocated / 8u;
   const unsigned shift = layout.high_bit + 1u - layout.bits_stored;
@@ -20,28 +20,31 @@ std::vector<std::int32_t> to_values(std::span<const std::byte> raw, const PixelL
   const std::uint32_t sign = layout.is_signed ? 1u << (layout.bits_stored - 1) : 0;
   const bool invert = slice.photometric == "MONOCHROME1";
   const bool is_ct = slice.modality == volume::Modality::kCt;
-  std::vector<std::int32_t> values(count);
+  const bool scaled = is_ct || unit > 0;
+  const double divisor = unit > 0 ? unit : 1;
+  const double slope = slice.rescale.slope / divisor, intercept = slice.rescale.intercept / divisor;
+  Values result;
+  result.values.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     std::uint32_t bits = std::to_integer<std::uint32_t>(raw[i * width]);
     if (width == 2) bits |= std::to_integer<std::uint32_t>(raw[i * width + 1]) << 8;
     bits = (bits >> shift) & mask;
     // Two's complement of any width: flipping the sign bit and taking it off again extends it.
     auto stored = static_cast<std::int32_t>(bits ^ sign) - static_cast<std::int32_t>(sign);
-    const bool padded =
-        slice.padding && stored >= (*slice.padding)[0] && stored <= (*slice.padding)[1];
-    if (is_ct && padded) {
-      values[i] = kAirHu;
+    if (slice.padding && stored >= (*slice.padding)[0] && stored <= (*slice.padding)[1]) {
+      result.values[i] = air_of(slice.modality);
+      ++result.padded;
       continue;
     }
     if (invert) stored = layout.is_signed ? -1 - stored : static_cast<std::int32_t>(mask) - stored;
-    if (!is_ct) {
-      values[i] = stored;
+    if (!scaled) {
+      result.values[i] = stored;
       continue;
     }
-    const double hu = slice.rescale.slope * stored + slice.rescale.intercept;
-    values[i] = static_cast<std::int32_t>(std::lround(std::clamp(hu, -1e6, 1e6)));
+    const double value = slope * stored + intercept;
+    result.values[i] = static_cast<std::int32_t>(std::lround(std::clamp(value, -1e6, 1e6)));
   }
-  return values;
+  return result;
 }
 
 }  // namespace diaphane::dicom

@@ -17,12 +17,12 @@ std::vector<std::int32_t> read_back(const Options& options, int& z) {
   const auto bytes = std::as_bytes(std::span(files[0]));
   const Precheck checked = precheck(bytes, {});
   EXPECT_EQ(checked.state, FileState::kFit) << checked.text;
-  auto slice = read_slice(checked);
-  EXPECT_TRUE(slice.has_value()) << slice.error().message;
-  if (!slice) return {};
-  auto values = read_values(checked, *slice);
+  auto slices = read_slices(checked);
+  EXPECT_TRUE(slices.has_value()) << slices.error().message;
+  if (!slices) return {};
+  auto values = read_values(checked, slices->front());
   EXPECT_TRUE(values.has_value()) << values.error().message;
-  return values.value_or(std::vector<std::int32_t>());
+  return values.value_or(Values()).values;
 }
 
 void expect_the_picture(const Options& options, const std::string& what) {
@@ -56,7 +56,7 @@ TEST(Values, EveryLayoutGivesTheSameHounsfieldUnits) {
                                  is_signed == 1};
         ASSERT_TRUE(is_readable(layout));
         const auto raw = pixels_of(options, options.series, 4);
-        const auto values = to_values(std::as_bytes(std::span(raw)), layout, slice);
+        const auto values = to_values(std::as_bytes(std::span(raw)), layout, slice).values;
         for (int i = 0; i < 120; ++i) {
           ASSERT_EQ(values[static_cast<std::size_t>(i)], value_at(i % 12, i / 12, 4))
               << is_signed << " " << stored << " " << high;
@@ -72,9 +72,9 @@ TEST(Values, BitsThatAreNotStoredAreCleared) {
   slice.modality = volume::Modality::kMr;
   slice.photometric = "MONOCHROME2";
   const std::uint8_t raw[] = {0x34, 0xF2};  // an overlay in the four highest bits
-  EXPECT_EQ(to_values(std::as_bytes(std::span(raw)), {16, 12, 11, false}, slice)[0], 0x234);
+  EXPECT_EQ(to_values(std::as_bytes(std::span(raw)), {16, 12, 11, false}, slice).values[0], 0x234);
   const std::uint8_t negative[] = {0xFF, 0x0F};
-  EXPECT_EQ(to_values(std::as_bytes(std::span(negative)), {16, 12, 11, true}, slice)[0], -1);
+  EXPECT_EQ(to_values(std::as_bytes(std::span(negative)), {16, 12, 11, true}, slice).values[0], -1);
 }
 
 TEST(Values, PaddingInCtIsAir) {
@@ -86,7 +86,7 @@ TEST(Values, PaddingInCtIsAir) {
   slice.rescale = {1, -1024, true};
   slice.padding = std::array<double, 2>{-2000, -2000};
   const std::int16_t raw[] = {-2000, 0, 1500};
-  const auto values = to_values(std::as_bytes(std::span(raw)), {16, 16, 15, true}, slice);
+  const auto values = to_values(std::as_bytes(std::span(raw)), {16, 16, 15, true}, slice).values;
   EXPECT_EQ(values, (std::vector<std::int32_t>{kAirHu, -1024, 476}));
 }
 
@@ -98,7 +98,7 @@ TEST(Values, OfMrStayAsStored) {
   slice.photometric = "MONOCHROME2";
   slice.rescale = {2, 100, true};
   const std::uint16_t raw[] = {7, 65535};
-  const auto values = to_values(std::as_bytes(std::span(raw)), {16, 16, 15, false}, slice);
+  const auto values = to_values(std::as_bytes(std::span(raw)), {16, 16, 15, false}, slice).values;
   EXPECT_EQ(values, (std::vector<std::int32_t>{7, 65535}));
 }
 
@@ -154,11 +154,11 @@ TEST(Values, AFileWithoutAHeaderIsReadAllTheSame) {
       const auto bytes = std::as_bytes(std::span(bare));
       const Precheck checked = precheck(bytes, {});
       ASSERT_EQ(checked.state, FileState::kFit) << checked.text;
-      auto slice = read_slice(checked);
-      ASSERT_TRUE(slice.has_value());
-      auto values = read_values(checked, *slice);
+      auto slices = read_slices(checked);
+      ASSERT_TRUE(slices.has_value());
+      auto values = read_values(checked, slices->front());
       ASSERT_TRUE(values.has_value()) << values.error().message;
-      EXPECT_EQ((*values)[13], value_at(1, 1, 3)) << uid << " from " << from;
+      EXPECT_EQ(values->values[13], value_at(1, 1, 3)) << uid << " from " << from;
     }
   }
 }

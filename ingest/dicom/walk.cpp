@@ -16,12 +16,32 @@ constexpr std::uint32_t kPixelData = 0x7FE00010;
 constexpr std::uint32_t kModalityLookupTable = 0x00283000;
 
 /// All that is ever read of a file (dicom/slice.h): rising, for the search.
-constexpr std::array<std::uint32_t, 26> kNeeded{
+constexpr std::array<std::uint32_t, 27> kNeeded{
     0x00080008, 0x00080016, 0x00080018, 0x00080060, 0x00100010, 0x00100020, 0x0020000E,
     0x00200032, 0x00200037, 0x00280002, 0x00280004, 0x00280006, 0x00280008, 0x00280010,
     0x00280011, 0x00280030, 0x00280100, 0x00280101, 0x00280102, 0x00280103, 0x00280120,
-    0x00280121, 0x00281050, 0x00281051, 0x00281052, 0x00281053};
+    0x00280121, 0x00281050, 0x00281051, 0x00281052, 0x00281053, 0x00282110};
 constexpr std::uint32_t kLongestNeeded = 1024;
+
+/// The same of the functional groups: each value with the group in which it counts.
+constexpr std::uint32_t kSharedGroups = 0x52009229;
+constexpr std::uint32_t kFrameGroups = 0x52009230;
+struct Grouped {
+  std::uint32_t group, tag;
+};
+constexpr std::array<Grouped, 11> kGrouped{{
+    {0x00209113, 0x00200032},  // plane position
+    {0x00209116, 0x00200037},  // plane orientation
+    {0x00289110, 0x00280030},  // pixel measures
+    {0x00289145, 0x00281052},  // pixel value transformation
+    {0x00289145, 0x00281053},
+    {0x00289132, 0x00281050},  // frame VOI LUT
+    {0x00289132, 0x00281051},
+    {0x00209111, 0x00209056},  // frame content: stack
+    {0x00189329, 0x00089007},  // frame type, of CT
+    {0x00189226, 0x00089007},  // of MR
+    {0x00189751, 0x00089007},  // of PET
+}};
 
 /// Thrown inside this file only, to leave the recursion; walk() turns it into a value.
 struct Stop {
@@ -124,8 +144,11 @@ class Walker {
         pixels(e, end);
         result_.kept.push_back({e.tag, begin, at_});
       } else {
+        if (depth == 0) top_ = e.tag;
+        if (depth == 1) group_ = e.tag;
         const bool is_plain = element(e, end, explicit_vr, depth);
         if (depth == 0) note(e, begin, is_plain);
+        if (depth == 2 && is_plain) note_grouped(e);
       }
     }
     if (open) damaged("the file ends too early");
@@ -158,6 +181,8 @@ class Walker {
         return;
       }
       if (item.tag != kItem) damaged("something else stands between the items of a sequence");
+      if (depth == 1 && top_ == kFrameGroups) result_.each.emplace_back();
+      if (depth == 1 && (top_ == kFrameGroups || top_ == kSharedGroups)) result_.has_groups = true;
       if (item.length == kUndefined) {
         data_set(end, true, explicit_vr, depth);
       } else {
@@ -171,6 +196,8 @@ class Walker {
   void pixels(const Element& e, std::size_t end) {
     if (result_.has_pixels) damaged("there are two sets of pixels");
     result_.has_pixels = true;
+    // Of a sequence GDCM makes a failed assertion.
+    if (explicit_ && !e.is("OW") && !e.is("OB")) damaged("the pixels are no pixels");
     if (e.length != kUndefined) {
       need(e.length, end);
       result_.pixel_length = e.length;
@@ -178,7 +205,7 @@ class Walker {
       return;
     }
     result_.encapsulated = true;
-    for (std::uint32_t n = 0;; ++n) {
+    while (true) {
       const Element fragment = next(end, false);
       if (fragment.tag == kSequenceEnd) {
         if (fragment.length != 0) damaged("compressed pixels end with a length");
@@ -187,8 +214,7 @@ class Walker {
       if (fragment.tag != kItem || fragment.length == kUndefined)
         damaged("compressed pixels are broken");
       need(fragment.length, end);
-      if (n == 1)
-        result_.first_fragment = data_.subspan(at_, fragment.length);  // 0: the offset table
+      result_.fragments.push_back({fragment.tag, at_, at_ + fragment.length});
       at_ += fragment.length;
     }
   }
@@ -212,6 +238,18 @@ class Walker {
       default:
         return;
     }
+  }
+
+  /// A value of a functional group that was just passed.
+  void note_grouped(const Element& e) {
+    if (top_ != kFrameGroups && top_ != kSharedGroups) return;
+    const bool wanted = std::any_of(kGrouped.begin(), kGrouped.end(), [&](const Grouped& g) {
+      return g.group == group_ && g.tag == e.tag;
+    });
+    if (!wanted) return;
+    if (e.length > kLongestNeeded) damaged("an element has an odd form");
+    auto& into = top_ == kFrameGroups ? result_.each.back() : result_.shared;
+    into.push_back({e.tag, at_ - e.length, at_});
   }
 
   /// The value that was just passed.
@@ -241,6 +279,8 @@ class Walker {
   const Limits& limits_;
   std::size_t at_ = 0;
   std::uint32_t elements_ = 0;
+  std::uint32_t top_ = 0;    ///< the element of the top level, and
+  std::uint32_t group_ = 0;  ///< the one below it, that are being walked
   Walked result_;
 };
 

@@ -11,13 +11,7 @@
 
 namespace diaphane::dicom {
 
-/// An element of the top level, header and value.
-struct Range {
-  std::uint32_t tag = 0;
-  std::size_t begin = 0, end = 0;
-};
-
-/// What the walk over a data set found at its top level.
+/// What the walk over a data set found at its top level, and in the functional groups.
 struct Walked {
   FileState state = FileState::kFit;
   std::string text;
@@ -28,8 +22,11 @@ struct Walked {
       kept;  ///< those elements that a volume depends on, by rising tag; no sequences
   bool has_pixels = false;
   bool encapsulated = false;
-  std::uint64_t pixel_length = 0;             ///< bytes of native pixels
-  std::span<const std::byte> first_fragment;  ///< of compressed pixels
+  std::uint64_t pixel_length = 0;  ///< bytes of native pixels
+  std::vector<Range> fragments;    ///< values of the items of compressed pixels; 0: offset table
+  bool has_groups = false;         ///< there are functional groups
+  std::vector<Range> shared;       ///< values that all frames have in common
+  std::vector<std::vector<Range>> each;  ///< values that each frame has of its own
 };
 
 /// Checks the structure of a data set (DICOM PS3.5, 7): see precheck().

@@ -8,10 +8,13 @@
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
+#include <iterator>
 #include <new>
 
 #include "ingest/pipeline/child.h"
+#include "ingest/pipeline/cut_child.h"
 #include "ingest/pipeline/supervisor.h"
+#include "volume/header.h"
 
 namespace diaphane::ingest {
 namespace {
@@ -96,28 +99,45 @@ Result<void> take_voxels(int fd, std::uint64_t most_voxels, Build& build) {
                 count * sizeof(std::int16_t))) {
     return fail(ErrorCode::kInternal, "the voxels cannot be read back");
   }
-  volume::measure(build.volume);
+  volume::measure(build.volume, build.verdict.filler);
   return {};
 }
 
 }  // namespace
 
 Result<Build> SandboxBuilder::build(const std::string& upload_path, const GoOn& go_on) {
-  Build build;
   const Fd input(open(upload_path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!input) {
     if (errno != ENOENT) return fail(ErrorCode::kUnavailable, "the upload cannot be opened");
+    Build build;
     build.verdict = refused("upload_gone", "The upload is gone; please send it again.");
     return build;
   }
+  return run(input.get(), kChildWord, {}, go_on);
+}
+
+Result<Build> SandboxBuilder::cut(const CutInput& wanted, const GoOn& go_on) {
+  auto header = volume::to_json(wanted.header);
+  if (!header) return tl::unexpected(header.error());
+  const std::string voxels = wanted.volume_directory + "/voxels.i16";
+  const Fd input(open(voxels.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (!input) return fail(ErrorCode::kUnavailable, "the stored voxels cannot be opened");
+  return run(input.get(), kCutChildWord, {*std::move(header), volume::to_json(wanted.region)},
+             go_on);
+}
+
+Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::string> more,
+                                  const GoOn& go_on) {
+  Build build;
   const Fd output(unnamed_file(options_.scratch_dir));
   if (!output) return fail(ErrorCode::kUnavailable, "the scratch directory cannot be written");
 
   ChildCommand command;
   command.program = options_.program;
-  command.arguments = {kChildWord, std::to_string(options_.time_limit_s),
+  command.arguments = {word, std::to_string(options_.time_limit_s),
                        std::to_string(options_.memory_limit_mb), std::to_string(options_.quota_mb)};
-  command.input = input.get();
+  std::move(more.begin(), more.end(), std::back_inserter(command.arguments));
+  command.input = input;
   command.output = output.get();
   command.time_limit = std::chrono::seconds(options_.time_limit_s);
   const auto began = std::chrono::steady_clock::now();
@@ -144,22 +164,42 @@ Result<Build> SandboxBuilder::build(const std::string& upload_path, const GoOn& 
   return build;
 }
 
-int run_child_with(const std::vector<std::string>& arguments) {
-  constexpr int kUsage = 64;
+namespace {
+
+/// The limits that come first among a child's arguments.
+bool read_limits(const std::vector<std::string>& arguments, SandboxLimits& sandbox,
+                 std::uint64_t& quota_bytes) {
   std::uint64_t numbers[3]{};
-  if (arguments.size() != 3) return kUsage;
+  if (arguments.size() < 3) return false;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::string& word = arguments[i];
     const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), numbers[i]);
-    if (error != std::errc() || stop != word.data() + word.size()) return kUsage;
+    if (error != std::errc() || stop != word.data() + word.size()) return false;
   }
-  SandboxLimits sandbox;
   sandbox.cpu_seconds = static_cast<std::uint32_t>(numbers[0]);
   sandbox.memory_bytes = numbers[1] * kMb;
-  sandbox.output_bytes = numbers[2] * kMb;
+  sandbox.output_bytes = quota_bytes = numbers[2] * kMb;
+  return true;
+}
+
+constexpr int kUsage = 64;
+
+}  // namespace
+
+int run_child_with(const std::vector<std::string>& arguments) {
+  SandboxLimits sandbox;
+  std::uint64_t quota = 0;
+  if (arguments.size() != 3 || !read_limits(arguments, sandbox, quota)) return kUsage;
   dicom::ScanLimits limits;
-  limits.most_voxels = numbers[2] * kMb / sizeof(std::int16_t);
+  limits.most_voxels = quota / sizeof(std::int16_t);
   return run_child_main(limits, sandbox);
+}
+
+int run_cut_child_with(const std::vector<std::string>& arguments) {
+  SandboxLimits sandbox;
+  std::uint64_t quota = 0;
+  if (arguments.size() != 5 || !read_limits(arguments, sandbox, quota)) return kUsage;
+  return run_cut_child_main(arguments[3], arguments[4], sandbox);
 }
 
 }  // namespace diaphane::ingest

@@ -8,6 +8,7 @@
 #include "ingest/dicom/scan.h"
 #include "ingest/pipeline/report.h"
 #include "ingest/pipeline/sandbox.h"
+#include "volume/region.h"
 #include "volume/volume.h"
 
 namespace diaphane::ingest {
@@ -21,7 +22,14 @@ struct Build {
   std::uint64_t peak_bytes = 0;  ///< of the child
 };
 
-/// Makes a volume of an upload, somewhere safe.
+/// A stored volume that is to be cut (docs/contracts.md, "Anonymising").
+struct CutInput {
+  std::string volume_directory;
+  volume::Header header;  ///< as it is stored there
+  volume::Region region;
+};
+
+/// Makes a volume of an upload, or what is to be kept of a stored one, somewhere safe.
 class Builder {
  public:
   using GoOn = std::function<bool()>;
@@ -29,6 +37,8 @@ class Builder {
   /// Never fails because of what is in the file: that is a refusal. kUnavailable, kInternal: our
   /// own means.
   virtual Result<Build> build(const std::string& upload_path, const GoOn& go_on) = 0;
+  /// What is left of a stored volume, which is not touched. A refusal: nothing would be left.
+  virtual Result<Build> cut(const CutInput& input, const GoOn& go_on) = 0;
 };
 
 /// By a child process in a sandbox (child.h), one an upload. Whatever ends it, other than a
@@ -44,12 +54,15 @@ class SandboxBuilder final : public Builder {
   };
   explicit SandboxBuilder(Options options) : options_(std::move(options)) {}
   Result<Build> build(const std::string& upload_path, const GoOn& go_on) override;
+  Result<Build> cut(const CutInput& input, const GoOn& go_on) override;
 
  private:
+  Result<Build> run(int input, const char* word, std::vector<std::string> more, const GoOn& go_on);
   Options options_;
 };
 
 /// The child's side of the options above: `arguments` as SandboxBuilder passes them.
 int run_child_with(const std::vector<std::string>& arguments);
+int run_cut_child_with(const std::vector<std::string>& arguments);
 
 }  // namespace diaphane::ingest

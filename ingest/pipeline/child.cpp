@@ -10,7 +10,6 @@
 #include "ingest/pipeline/tar_source.h"
 
 namespace diaphane::ingest {
-namespace {
 
 bool write_all(int fd, const char* data, std::size_t bytes) {
   while (bytes > 0) {
@@ -21,6 +20,8 @@ bool write_all(int fd, const char* data, std::size_t bytes) {
   }
   return true;
 }
+
+namespace {
 
 Verdict out_of_memory() {
   return refused("too_large", "This upload needs more memory than is allowed.");
@@ -40,15 +41,17 @@ Verdict build(const dicom::ScanLimits& limits) {
   if (!scan) return refusal_of(scan.error());
   const dicom::Choice choice = dicom::choose(*scan);
   if (!choice.suitable) return refused(choice.code, choice.text);
-  auto volume = build_volume(source, *scan, choice, limits.file);
-  if (!volume) return refusal_of(volume.error());
-  if (!write_all(kChildOutput, reinterpret_cast<const char*>(volume->voxels.data()),
-                 volume->voxels.size() * sizeof(std::int16_t))) {
+  auto built = build_volume(source, *scan, choice, limits.file);
+  if (!built) return refusal_of(built.error());
+  volume::Volume& volume = built->volume;
+  if (!write_all(kChildOutput, reinterpret_cast<const char*>(volume.voxels.data()),
+                 volume.voxels.size() * sizeof(std::int16_t))) {
     return refused("internal", "The volume could not be kept; please try again later.");
   }
   Verdict verdict;
   verdict.ready = true;
-  verdict.header = std::move(volume->header);
+  verdict.header = std::move(volume.header);
+  verdict.filler = built->filler;
   return verdict;
 }
 

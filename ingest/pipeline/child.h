@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "ingest/dicom/scan.h"
 #include "ingest/pipeline/sandbox.h"
 
@@ -12,5 +14,8 @@ inline constexpr const char* kChildWord = "build-series";
 /// voxels behind kChildOutput and a report behind kChildReport. The exit code; 0 also for a
 /// refusal.
 int run_child_main(const dicom::ScanLimits& limits, const SandboxLimits& sandbox);
+
+/// To one of a child's descriptors, whole.
+bool write_all(int fd, const char* data, std::size_t bytes);
 
 }  // namespace diaphane::ingest

@@ -6,15 +6,24 @@
 #include <string>
 
 #include "common/result.h"
+#include "volume/region.h"
 #include "volume/volume.h"
 
 namespace diaphane::ingest {
 
-/// One upload to be made into a volume, as claimed.
+/// What is to be kept of a stored volume.
+struct CutOrder {
+  volume::Region region;
+  std::string of;      ///< content hash of the volume that was seen when it was ordered
+  std::string result;  ///< of an earlier attempt, told by note_cut(): it may be in place already
+};
+
+/// One upload to be made into a volume, or one volume to be cut, as claimed.
 struct Job {
-  std::string data_set_id;  ///< also the volume's directory
-  std::string upload_id;    ///< the file <upload-dir>/<upload_id>.tar
-  int attempts = 0;         ///< this one counted
+  std::string data_set_id;      ///< also the volume's directory
+  std::string upload_id;        ///< the file <upload-dir>/<upload_id>.tar
+  int attempts = 0;             ///< this one counted
+  std::optional<CutOrder> cut;  ///< then there is no upload
 };
 
 /// How a job stands for its claimer.
@@ -34,13 +43,23 @@ class JobStore {
   virtual Result<std::optional<Job>> claim() = 0;
   /// Holds it for another lease.
   virtual Result<Hold> renew(const Job& job) = 0;
-  /// The data set is "ready" and the job, the upload's row and (soon) its file are gone: one
-  /// transaction.
+  /// `head` is the JSON of what ingest/head found. The data set is "ready" and the job, the
+  /// upload's row and (soon) its file are gone: one transaction.
   virtual Result<Hold> finish_ready(const Job& job, const volume::Header& header,
-                                    std::uint64_t bytes) = 0;
+                                    std::uint64_t bytes, const std::string& head) = 0;
   /// The data set is "refused" with a reason; the rest as above.
   virtual Result<Hold> finish_refused(const Job& job, const std::string& code,
                                       const std::string& text) = 0;
+  /// About to put what is left in the place of the volume: from here on the order says which hash
+  /// the new one has, and by how much its world has moved (volume/region.h, Cut::shift).
+  virtual Result<Hold> note_cut(const Job& job, const std::string& content_hash,
+                                const volume::Vector& shift) = 0;
+  /// The data set is "ready" again, anonymised, and the order done: pictures made of the old volume
+  /// are noted for disposal, presets moved along, the audit log told, in one transaction.
+  virtual Result<Hold> finish_cut(const Job& job, const volume::Header& header, std::uint64_t bytes,
+                                  const std::string& head) = 0;
+  /// The data set is "ready" as it was before; why is told to its owner.
+  virtual Result<Hold> finish_cut_refused(const Job& job, const std::string& text) = 0;
   /// Gives it back unharmed: this attempt does not count.
   virtual Result<void> release(const Job& job) = 0;
   /// The upload's file is gone from disk.

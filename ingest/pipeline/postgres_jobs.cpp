@@ -1,9 +1,11 @@
 #include "ingest/pipeline/postgres_jobs.h"
 
 #include <pqxx/pqxx>
+#include <stdexcept>
 
 #include "common/ids.h"
 #include "common/log.h"
+#include "ingest/pipeline/moved_scene.h"
 
 namespace diaphane::ingest {
 namespace {
@@ -32,6 +34,20 @@ const char* name_of(volume::Modality modality) {
       break;
   }
   return "OTHER";
+}
+
+/// What people saved to look at the volume with stays where it was in the patient.
+void move_presets(pqxx::work& transaction, const std::string& data_set,
+                  const volume::Vector& shift) {
+  const auto presets = transaction.exec_params(
+      "SELECT id, scene FROM presets WHERE data_set_id = $1 FOR UPDATE", data_set);
+  for (const pqxx::row& preset : presets) {
+    const auto moved = moved_scene(preset[1].as<std::string>(), shift);
+    if (!moved) continue;  // of another version: it says so itself when it is opened
+    transaction.exec_params(
+        "UPDATE presets SET scene = $2, version = version + 1, updated_at = now() WHERE id = $1",
+        preset[0].as<std::string>(), *moved);
+  }
 }
 
 /// A text array as Postgres writes one.
@@ -104,6 +120,7 @@ struct PostgresJobs::Impl {
         transaction.exec_params("DELETE FROM ingest_jobs WHERE data_set_id = $1 AND leased_by = $2",
                                 job.data_set_id, claimer);
     if (removed.affected_rows() == 0) return Hold::kLost;
+    if (job.cut) return Hold::kOurs;
     transaction.exec_params("DELETE FROM uploads WHERE id = $1", job.upload_id);
     transaction.exec_params(
         "INSERT INTO disposals (kind, id) VALUES ('upload', $1) ON CONFLICT DO NOTHING",
@@ -134,10 +151,19 @@ Result<std::optional<Job>> PostgresJobs::claim() {
         UPDATE ingest_jobs j
            SET leased_by = $1, leased_until = now() + make_interval(secs => $2), attempts = attempts + 1
           FROM next WHERE j.data_set_id = next.data_set_id
-        RETURNING j.data_set_id, j.upload_id, j.attempts)sql",
+        RETURNING j.data_set_id, COALESCE(j.upload_id::text, ''), j.attempts,
+                  j.cut::text, COALESCE(j.cut_of, ''), COALESCE(j.cut_result, ''))sql",
         impl_->claimer, impl_->lease_seconds);
     if (rows.empty()) return std::nullopt;
-    return Job{rows[0][0].as<std::string>(), rows[0][1].as<std::string>(), rows[0][2].as<int>()};
+    const pqxx::row row = rows[0];
+    Job job{row[0].as<std::string>(), row[1].as<std::string>(), row[2].as<int>(), {}};
+    if (!row[3].is_null()) {
+      auto region = volume::region_from_json(row[3].as<std::string>());
+      // `api` has read it the same way: what cannot be read now keeps nothing, and is refused.
+      job.cut = CutOrder{region.value_or(volume::Region{}), row[4].as<std::string>(),
+                         row[5].as<std::string>()};
+    }
+    return job;
   });
 }
 
@@ -156,7 +182,7 @@ Result<Hold> PostgresJobs::renew(const Job& job) {
 }
 
 Result<Hold> PostgresJobs::finish_ready(const Job& job, const volume::Header& header,
-                                        std::uint64_t bytes) {
+                                        std::uint64_t bytes, const std::string& head) {
   return impl_->transact([&](pqxx::work& transaction) {
     const Hold hold = impl_->take(transaction, job);
     if (hold != Hold::kOurs) return hold;
@@ -166,12 +192,12 @@ Result<Hold> PostgresJobs::finish_ready(const Job& job, const volume::Header& he
            SET state = 'ready', refusal_code = NULL, refusal_text = NULL, modality = $2,
                size_x = $3, size_y = $4, size_z = $5,
                spacing_x = $6, spacing_y = $7, spacing_z = $8,
-               repairs = $9::text[], volume_bytes = $10, updated_at = now()
+               repairs = $9::text[], volume_bytes = $10, head = $11::jsonb, updated_at = now()
          WHERE id = $1)sql",
         job.data_set_id, name_of(header.modality), static_cast<int>(header.size[0]),
         static_cast<int>(header.size[1]), static_cast<int>(header.size[2]), header.spacing[0],
         header.spacing[1], header.spacing[2], array_of(header.repairs),
-        static_cast<std::int64_t>(bytes));
+        static_cast<std::int64_t>(bytes), head);
     return hold;
   });
 }
@@ -187,6 +213,70 @@ Result<Hold> PostgresJobs::finish_refused(const Job& job, const std::string& cod
            SET state = 'refused', refusal_code = $2, refusal_text = $3, updated_at = now()
          WHERE id = $1)sql",
         job.data_set_id, code, text);
+    return hold;
+  });
+}
+
+Result<Hold> PostgresJobs::note_cut(const Job& job, const std::string& content_hash,
+                                    const volume::Vector& shift) {
+  return impl_->transact([&](pqxx::work& transaction) {
+    const auto noted = transaction.exec_params(
+        R"sql(
+        UPDATE ingest_jobs SET cut_result = $3, cut_shift = ARRAY[$4, $5, $6]::double precision[],
+               leased_until = now() + make_interval(secs => $7)
+         WHERE data_set_id = $1 AND leased_by = $2)sql",
+        job.data_set_id, impl_->claimer, content_hash, shift[0], shift[1], shift[2],
+        impl_->lease_seconds);
+    if (noted.affected_rows() > 0) return Hold::kOurs;
+    const auto left =
+        transaction.exec_params("SELECT 1 FROM data_sets WHERE id = $1", job.data_set_id);
+    return left.empty() ? Hold::kDeleted : Hold::kLost;
+  });
+}
+
+Result<Hold> PostgresJobs::finish_cut(const Job& job, const volume::Header& header,
+                                      std::uint64_t bytes, const std::string& head) {
+  return impl_->transact([&](pqxx::work& transaction) {
+    const auto order = transaction.exec_params(
+        R"sql(
+        SELECT asked_by, cut_shift[1], cut_shift[2], cut_shift[3] FROM ingest_jobs
+         WHERE data_set_id = $1 AND cut_shift IS NOT NULL)sql",
+        job.data_set_id);
+    const Hold hold = impl_->take(transaction, job);
+    if (hold != Hold::kOurs) return hold;
+    transaction.exec_params(
+        R"sql(
+        UPDATE data_sets
+           SET state = 'ready', anonymised_at = now(), cut_problem = NULL,
+               size_x = $2, size_y = $3, size_z = $4, volume_bytes = $5, head = $6::jsonb, updated_at = now()
+         WHERE id = $1)sql",
+        job.data_set_id, static_cast<int>(header.size[0]), static_cast<int>(header.size[1]),
+        static_cast<int>(header.size[2]), static_cast<std::int64_t>(bytes), head);
+    transaction.exec_params(
+        "INSERT INTO disposals (kind, id) VALUES ('pictures', $1) ON CONFLICT DO NOTHING",
+        job.data_set_id);
+    if (order.empty()) throw std::logic_error("a cut was finished that was never noted");
+    const pqxx::row row = order[0];
+    move_presets(transaction, job.data_set_id,
+                 {row[1].as<double>(), row[2].as<double>(), row[3].as<double>()});
+    transaction.exec_params(
+        R"sql(
+        INSERT INTO audit_log (happened_at, actor, actor_id, action, subject, subject_id, details)
+        VALUES (now(), CASE WHEN $1::uuid IS NULL THEN 'machine' ELSE 'person' END, $1::uuid,
+                'data-set.anonymised', 'data_set', $2::uuid, jsonb_build_object('voxels', $3::bigint)))sql",
+        row[0].is_null() ? nullptr : row[0].c_str(), job.data_set_id,
+        static_cast<std::int64_t>(header.voxel_count()));
+    return hold;
+  });
+}
+
+Result<Hold> PostgresJobs::finish_cut_refused(const Job& job, const std::string& text) {
+  return impl_->transact([&](pqxx::work& transaction) {
+    const Hold hold = impl_->take(transaction, job);
+    if (hold != Hold::kOurs) return hold;
+    transaction.exec_params(
+        "UPDATE data_sets SET state = 'ready', cut_problem = $2, updated_at = now() WHERE id = $1",
+        job.data_set_id, text);
     return hold;
   });
 }

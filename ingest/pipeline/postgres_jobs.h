@@ -18,10 +18,15 @@ class PostgresJobs final : public JobStore {
 
   Result<std::optional<Job>> claim() override;
   Result<Hold> renew(const Job& job) override;
-  Result<Hold> finish_ready(const Job& job, const volume::Header& header,
-                            std::uint64_t bytes) override;
+  Result<Hold> finish_ready(const Job& job, const volume::Header& header, std::uint64_t bytes,
+                            const std::string& head) override;
   Result<Hold> finish_refused(const Job& job, const std::string& code,
                               const std::string& text) override;
+  Result<Hold> note_cut(const Job& job, const std::string& content_hash,
+                        const volume::Vector& shift) override;
+  Result<Hold> finish_cut(const Job& job, const volume::Header& header, std::uint64_t bytes,
+                          const std::string& head) override;
+  Result<Hold> finish_cut_refused(const Job& job, const std::string& text) override;
   Result<void> release(const Job& job) override;
   Result<void> upload_removed(const std::string& upload_id) override;
   Result<std::int64_t> queue_depth() override;

@@ -37,7 +37,7 @@ std::string write_report(const Verdict& verdict) {
   if (!verdict.ready) return json{{"code", verdict.code}, {"text", verdict.text}}.dump();
   auto header = volume::to_json(verdict.header);
   if (!header) return json{{"code", "internal"}, {"text", header.error().message}}.dump();
-  return json{{"header", *header}}.dump();
+  return json{{"header", *header}, {"filler", {verdict.filler.value, verdict.filler.count}}}.dump();
 }
 
 Result<Verdict> read_report(const std::string& report) {
@@ -59,6 +59,12 @@ Result<Verdict> read_report(const std::string& report) {
   }
   Verdict verdict;
   verdict.ready = true;
+  const json filler = body.value("filler", json());
+  if (!filler.is_array() || filler.size() != 2 || !filler[0].is_number_integer() ||
+      !filler[1].is_number_unsigned()) {
+    return bad();
+  }
+  verdict.filler = {filler[0].get<std::int16_t>(), filler[1].get<std::uint64_t>()};
   verdict.header = std::move(*header);
   return verdict;
 }

@@ -11,6 +11,7 @@ namespace diaphane::ingest {
 struct Verdict {
   bool ready = false;
   volume::Header header;  ///< with `ready`
+  volume::Filler filler;  ///< the same
   std::string code;       ///< else: "too_few_slices", ...
   std::string text;       ///< a sentence
 };

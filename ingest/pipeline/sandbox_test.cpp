@@ -5,6 +5,7 @@
 #include <netinet/in.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,8 +13,10 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <new>
+#include <sstream>
 #include <thread>
 #include <vector>
 
@@ -24,10 +27,18 @@ constexpr int kDid = 10;      // what was tried, worked
 constexpr int kRefused = 11;  // it failed, and the process goes on
 constexpr int kNoSandbox = 12;
 
+/// What a child finds open as 3 and 4; -1: nothing.
+struct Placed {
+  int input = -1, output = -1;
+};
+
 /// How a process ends that tries something inside the sandbox: an exit code, or minus the signal.
-int inside(const std::function<int()>& act, const SandboxLimits& limits = {}) {
+int inside(const std::function<int()>& act, const SandboxLimits& limits = {},
+           const Placed& placed = {}) {
   const pid_t child = fork();
   if (child == 0) {
+    if (placed.input >= 0 && dup2(placed.input, 20) == 20) dup2(20, 3);
+    if (placed.output >= 0 && dup2(placed.output, 21) == 21) dup2(21, 4);
     if (!enter_sandbox(limits)) _exit(kNoSandbox);
     _exit(act());
   }
@@ -51,14 +62,31 @@ TEST_F(Sandbox, ComputingReadingAndWritingWhatIsOpenGoesOn) {
   int pipe_fds[2];
   ASSERT_EQ(pipe(pipe_fds), 0);
   const int file = open("/etc/hostname", O_RDONLY);
-  EXPECT_EQ(inside([&] {
-              std::vector<double> numbers(1 << 20, 1.5);
-              char letter = 0;
-              const bool well = read(file, &letter, 1) == 1 &&
-                                write(pipe_fds[1], &letter, 1) == 1 && numbers[77] == 1.5;
-              return well ? kDid : kRefused;
-            }),
+  const Placed placed{file, pipe_fds[1]};
+  EXPECT_EQ(inside(
+                [&] {
+                  std::vector<double> numbers(1 << 20, 1.5);
+                  char letter = 0;
+                  const bool well = read(3, &letter, 1) == 1 && write(4, &letter, 1) == 1 &&
+                                    lseek(3, 0, SEEK_SET) == 0 && numbers[77] == 1.5;
+                  return well ? kDid : kRefused;
+                },
+                {}, placed),
             kDid);
+}
+
+TEST_F(Sandbox, OnlyTheInputIsReadAndOnlyTheOutputsAreWritten) {
+  int pipe_fds[2];
+  ASSERT_EQ(pipe(pipe_fds), 0);
+  const Placed placed{open("/etc/hostname", O_RDONLY), pipe_fds[1]};
+  const int other = fcntl(open("/etc/hostname", O_RDWR), F_DUPFD, 20);
+  char letter = 'x';
+  EXPECT_EQ(inside([&] { return refused_if(read(other, &letter, 1) < 0); }, {}, placed), -SIGSYS);
+  EXPECT_EQ(inside([&] { return refused_if(read(4, &letter, 1) < 0); }, {}, placed), -SIGSYS);
+  EXPECT_EQ(inside([&] { return refused_if(write(other, &letter, 1) < 0); }, {}, placed), -SIGSYS);
+  EXPECT_EQ(inside([&] { return refused_if(write(3, &letter, 1) < 0); }, {}, placed), kRefused)
+      << "it is open for reading only";
+  close(other);
 }
 
 TEST_F(Sandbox, NoFileCanBeOpened) {
@@ -73,11 +101,11 @@ TEST_F(Sandbox, NoFileCanBeMadeChangedOrRemoved) {
   const int made = mkstemp(path.data());
   ASSERT_GE(made, 0);
   EXPECT_EQ(inside([&] { return refused_if(open(path.c_str(), O_WRONLY) < 0); }), kRefused);
-  EXPECT_EQ(inside([&] { return refused_if(creat((path + "2").c_str(), 0600) < 0); }), kRefused);
-  EXPECT_EQ(inside([&] { return refused_if(unlink(path.c_str()) != 0); }), kRefused);
+  EXPECT_EQ(inside([&] { return refused_if(creat((path + "2").c_str(), 0600) < 0); }), -SIGSYS);
+  EXPECT_EQ(inside([&] { return refused_if(unlink(path.c_str()) != 0); }), -SIGSYS);
   EXPECT_EQ(inside([&] { return refused_if(rename(path.c_str(), (path + "3").c_str()) != 0); }),
-            kRefused);
-  EXPECT_EQ(inside([&] { return refused_if(chmod(path.c_str(), 0777) != 0); }), kRefused);
+            -SIGSYS);
+  EXPECT_EQ(inside([&] { return refused_if(chmod(path.c_str(), 0777) != 0); }), -SIGSYS);
   EXPECT_TRUE(std::filesystem::exists(path));
   close(made);
   unlink(path.c_str());
@@ -122,6 +150,115 @@ TEST_F(Sandbox, NobodyElseCanBeSignalled) {
   EXPECT_EQ(inside([] { return refused_if(kill(1, 0) != 0); }), -SIGSYS);
 }
 
+TEST_F(Sandbox, OnlyItsOwnAbortIsASignal) {
+  const pid_t parent = getpid();
+  EXPECT_EQ(inside([] {
+              abort();
+              return kDid;
+            }),
+            -SIGABRT);
+  EXPECT_EQ(inside([&] { return refused_if(syscall(SYS_tgkill, parent, parent, SIGABRT) != 0); }),
+            -SIGSYS);
+  EXPECT_EQ(inside([] { return refused_if(raise(SIGTERM) != 0); }), -SIGSYS);
+}
+
+TEST_F(Sandbox, MemoryIsNeverRun) {
+  const auto map = [](int protection) {
+    return mmap(nullptr, 4096, protection, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) != MAP_FAILED;
+  };
+  EXPECT_EQ(inside([&] { return map(PROT_READ | PROT_WRITE) ? kDid : kRefused; }), kDid);
+  EXPECT_EQ(inside([&] { return map(PROT_READ | PROT_EXEC) ? kDid : kRefused; }), -SIGSYS);
+  EXPECT_EQ(inside([&] {
+              void* page = mmap(nullptr, 4096, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+              return mprotect(page, 4096, PROT_READ | PROT_EXEC) == 0 ? kDid : kRefused;
+            }),
+            -SIGSYS);
+}
+
+TEST_F(Sandbox, NoPrivilegeIsGainedNothingIsTracedAndNothingIsMounted) {
+  EXPECT_EQ(inside([] { return refused_if(setuid(0) != 0); }), -SIGSYS);
+  // Each number by hand: what the C library has no function for counts, too.
+  for (const long call : {SYS_ptrace,
+                          SYS_process_vm_readv,
+                          SYS_mount,
+                          SYS_unshare,
+                          SYS_setns,
+                          SYS_chroot,
+                          SYS_bpf,
+                          SYS_io_uring_setup,
+                          SYS_memfd_create,
+                          SYS_userfaultfd,
+                          SYS_perf_event_open,
+                          SYS_keyctl,
+                          SYS_pidfd_open,
+                          SYS_kexec_load,
+                          SYS_init_module,
+                          SYS_open_by_handle_at,
+                          SYS_execveat,
+                          SYS_fork,
+                          SYS_vfork,
+                          SYS_connect,
+                          SYS_bind,
+                          SYS_sendto,
+                          SYS_socketpair,
+                          SYS_dup2,
+                          SYS_sendfile,
+                          SYS_splice,
+                          SYS_prctl,
+                          SYS_seccomp,
+                          SYS_setrlimit,
+                          SYS_openat2,
+                          SYS_linkat,
+                          SYS_symlinkat,
+                          SYS_mkdirat,
+                          SYS_truncate,
+                          SYS_utimensat,
+                          SYS_inotify_init}) {
+    EXPECT_EQ(inside([&] { return refused_if(syscall(call, 0, 0, 0, 0, 0, 0) < 0); }), -SIGSYS)
+        << call;
+  }
+  EXPECT_EQ(inside([] { return refused_if(syscall(100000L) < 0); }), -SIGSYS) << "not yet invented";
+}
+
+TEST_F(Sandbox, WhatIsSetCannotBeTakenBack) {
+  // Read from outside, while it stands still inside.
+  int ready[2];
+  ASSERT_EQ(pipe(ready), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    dup2(ready[1], 4);
+    if (!enter_sandbox({})) _exit(kNoSandbox);
+    if (write(4, "x", 1) != 1) _exit(kRefused);
+    for (;;) sched_yield();
+  }
+  char letter = 0;
+  ASSERT_EQ(read(ready[0], &letter, 1), 1);
+  const auto text_of = [&](const char* name) {
+    std::ifstream in("/proc/" + std::to_string(child) + "/" + name);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  const std::string status = text_of("status"), limits = text_of("limits");
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  EXPECT_NE(status.find("NoNewPrivs:\t1"), std::string::npos);
+  EXPECT_NE(status.find("Seccomp:\t2"), std::string::npos);
+  const auto both = [&](const char* what, const std::string& number) {
+    const std::size_t at = limits.find(what);
+    if (at == std::string::npos) return false;
+    std::istringstream line(limits.substr(at + 26, 45));
+    std::string soft, hard;
+    line >> soft >> hard;
+    return soft == number && hard == number;
+  };
+  EXPECT_TRUE(both("Max core file size", "0"));
+  EXPECT_TRUE(both("Max open files", "6"));
+  EXPECT_TRUE(both("Max processes", "0"));
+  EXPECT_TRUE(both("Max locked memory", "0"));
+  EXPECT_TRUE(both("Max address space", std::to_string(std::uint64_t{4} << 30))) << limits;
+  EXPECT_TRUE(both("Max cpu time", "300"));
+  EXPECT_TRUE(both("Max file size", std::to_string(std::uint64_t{2} << 30)));
+}
+
 TEST_F(Sandbox, MemoryIsLimitedAndSaidByAnException) {
   SandboxLimits limits;
   limits.memory_bytes = std::uint64_t{1} << 30;
@@ -148,11 +285,11 @@ TEST_F(Sandbox, OutputAndTimeAreLimited) {
   EXPECT_EQ(inside(
                 [&] {
                   const std::vector<char> data(5000);
-                  while (write(file, data.data(), data.size()) > 0) {
+                  while (write(4, data.data(), data.size()) > 0) {
                   }
                   return kRefused;
                 },
-                limits),
+                limits, {-1, file}),
             -SIGXFSZ);
   close(file);
   limits.cpu_seconds = 1;

@@ -9,7 +9,7 @@ namespace diaphane::ingest {
 /// The regular files of a tar archive behind an open file descriptor (docs/contracts.md, "Upload
 /// bundle"). Names, owners and times in it are not looked at; anything but regular files is passed
 /// over. Of files larger than `largest_file` only the beginning is read. kInvalid when the archive
-/// is broken or cut off.
+/// is broken or cut off, or has a file with holes (sparse).
 class TarSource final : public dicom::FileSource {
  public:
   /// `fd` stays the caller's and must allow seeking.

@@ -4,8 +4,11 @@
 #include <filesystem>
 #include <thread>
 
+#include "common/fault_point.h"
 #include "common/ids.h"
 #include "common/log.h"
+#include "ingest/head/find_head.h"
+#include "volume/store.h"
 
 namespace diaphane::ingest {
 
@@ -45,17 +48,6 @@ bool Worker::stop_is_due() {
   return Clock::now() - stop_seen_ > options_.drain;
 }
 
-template <typename Ask>
-auto Worker::insist(Ask ask) -> decltype(ask()) {
-  for (;;) {
-    auto answer = ask();
-    const bool away = !answer && answer.error().code == ErrorCode::kUnavailable;
-    note_postgres(!away);
-    if (!away || stop_is_due()) return answer;
-    std::this_thread::sleep_for(std::min(options_.poll, std::chrono::milliseconds(200)));
-  }
-}
-
 void Worker::run() {
   auto next_count = Clock::now();
   while (!stopping_) {
@@ -75,18 +67,8 @@ bool Worker::work_once() {
   return true;
 }
 
-void Worker::work(const Job& job) {
-  if (!is_id(job.data_set_id) || !is_id(job.upload_id)) return;  // never: a path is made of them
-  log::info("ingest_begun", {{"data_set", job.data_set_id}, {"attempt", job.attempts}});
-  if (job.attempts > options_.most_attempts) {
-    Build given_up;
-    given_up.verdict =
-        refused("internal", "This upload could not be processed; please send it again.");
-    return finish(job, given_up);
-  }
-  Hold hold = Hold::kOurs;
-  auto next_renewal = Clock::now() + options_.renew;
-  const auto go_on = [&] {
+Builder::GoOn Worker::keep_going(const Job& job, Hold& hold) {
+  return [this, &job, &hold, next_renewal = Clock::now() + options_.renew]() mutable {
     if (stop_is_due()) return false;
     if (Clock::now() < next_renewal) return true;
     next_renewal = Clock::now() + options_.renew;
@@ -96,7 +78,24 @@ void Worker::work(const Job& job) {
     if (renewed) hold = *renewed;
     return hold == Hold::kOurs;
   };
+}
+
+void Worker::work(const Job& job) {
+  // Never: a path is made of them.
+  if (!is_id(job.data_set_id) || (!job.cut && !is_id(job.upload_id))) return;
+  if (job.cut) return work_cut(job);
+  log::info("ingest_begun", {{"data_set", job.data_set_id}, {"attempt", job.attempts}});
+  if (job.attempts > options_.most_attempts) {
+    Build given_up;
+    given_up.verdict =
+        refused("internal", "This upload could not be processed; please send it again.");
+    return finish(job, given_up);
+  }
+  fault_point("claimed");
+  Hold hold = Hold::kOurs;
+  const auto go_on = keep_going(job, hold);
   auto build = builder_.build(upload_path(job), go_on);
+  fault_point("built");
   if (!build) {
     log::error("ingest_failed", {{"data_set", job.data_set_id}, {"reason", build.error().message}});
     pause(options_.poll);  // our own means are short: the lease runs out and the job is tried again
@@ -129,11 +128,14 @@ void Worker::finish(const Job& job, Build& build) {
       pause(options_.poll);
       return;  // the lease runs out and the job is tried again
     }
+    fault_point("stored");
   }
+  const std::string head = verdict.ready ? to_json(find_head(build.volume)) : std::string();
   const auto hold = insist([&] {
-    return verdict.ready ? jobs_.finish_ready(job, build.volume.header, bytes)
+    return verdict.ready ? jobs_.finish_ready(job, build.volume.header, bytes, head)
                          : jobs_.finish_refused(job, verdict.code, verdict.text);
   });
+  fault_point("said");
   if (!hold) return;  // stopping while Postgres is away: taken up again later
   if (*hold == Hold::kDeleted) {
     if (verdict.ready) discard_volume(job);
@@ -172,12 +174,10 @@ void Worker::remove_original(const Job& job) {
     log::error("original_not_removed", {{"upload", job.upload_id}});
     return;  // its row in `disposals` stays, and `api` tries again
   }
+  fault_point("removed");
   (void)jobs_.upload_removed(job.upload_id);
 }
 
-void Worker::discard_volume(const Job& job) {
-  std::error_code error;
-  fs::remove_all(volume_path(job), error);
-}
+void Worker::discard_volume(const Job& job) { volume::erase(volume_path(job)); }
 
 }  // namespace diaphane::ingest

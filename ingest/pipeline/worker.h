@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <functional>
 #include <string>
+#include <thread>
 
 #include "ingest/pipeline/builder.h"
 #include "ingest/pipeline/job_store.h"
@@ -48,6 +50,11 @@ class Worker {
   std::optional<Job> claim();
   void work(const Job& job);
   void finish(const Job& job, Build& build);
+  void work_cut(const Job& job);
+  void finish_cut(const Job& job, const volume::Volume& volume);
+  void refuse_cut(const Job& job, const std::string& text);
+  /// Says whether a job that is being worked on is to go on; renews its lease now and then.
+  Builder::GoOn keep_going(const Job& job, Hold& hold);
   Result<void> store(const Job& job, volume::Volume& volume);
   void give_back(const Job& job);
   void remove_original(const Job& job);
@@ -69,5 +76,16 @@ class Worker {
   SteadyTime stop_seen_{};
   bool postgres_there_ = true;
 };
+
+template <typename Ask>
+auto Worker::insist(Ask ask) -> decltype(ask()) {
+  for (;;) {
+    auto answer = ask();
+    const bool away = !answer && answer.error().code == ErrorCode::kUnavailable;
+    note_postgres(!away);
+    if (!away || stop_is_due()) return answer;
+    std::this_thread::sleep_for(std::min(options_.poll, std::chrono::milliseconds(200)));
+  }
+}
 
 }  // namespace diaphane::ingest

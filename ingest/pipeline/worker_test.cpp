@@ -30,7 +30,8 @@ class FakeJobs final : public JobStore {
     ++renewals;
     return hold;
   }
-  Result<Hold> finish_ready(const Job& job, const volume::Header& header, std::uint64_t) override {
+  Result<Hold> finish_ready(const Job& job, const volume::Header& header, std::uint64_t,
+                            const std::string&) override {
     if (away > 0) return gone<Hold>();
     if (hold_at_finish != Hold::kOurs) return hold_at_finish;
     ready.push_back(job.data_set_id);
@@ -41,6 +42,24 @@ class FakeJobs final : public JobStore {
                               const std::string&) override {
     if (away > 0) return gone<Hold>();
     refusals.emplace_back(job.data_set_id, code);
+    return Hold::kOurs;
+  }
+  Result<Hold> note_cut(const Job&, const std::string& hash, const volume::Vector&) override {
+    if (away > 0) return gone<Hold>();
+    if (hold_at_note != Hold::kOurs) return hold_at_note;
+    noted.push_back(hash);
+    return Hold::kOurs;
+  }
+  Result<Hold> finish_cut(const Job& job, const volume::Header& header, std::uint64_t,
+                          const std::string&) override {
+    if (away > 0) return gone<Hold>();
+    if (hold_at_finish != Hold::kOurs) return hold_at_finish;
+    ready.push_back(job.data_set_id);
+    last_header = header;
+    return Hold::kOurs;
+  }
+  Result<Hold> finish_cut_refused(const Job& job, const std::string& text) override {
+    refusals.emplace_back(job.data_set_id, text);
     return Hold::kOurs;
   }
   Result<void> release(const Job& job) override {
@@ -62,8 +81,8 @@ class FakeJobs final : public JobStore {
   std::deque<Job> waiting;
   int away = 0;  ///< this many questions are not answered
   int renewals = 0;
-  Hold hold = Hold::kOurs, hold_at_finish = Hold::kOurs;
-  std::vector<std::string> ready, released, removed;
+  Hold hold = Hold::kOurs, hold_at_finish = Hold::kOurs, hold_at_note = Hold::kOurs;
+  std::vector<std::string> ready, released, removed, noted;
   std::vector<std::pair<std::string, std::string>> refusals;
   volume::Header last_header;
 };
@@ -88,6 +107,16 @@ class FakeBuilder final : public Builder {
       result.volume.voxels.assign(24, 7);
       volume::measure(result.volume);
     }
+    return result;
+  }
+  Result<Build> cut(const CutInput& input, const GoOn&) override {
+    ++builds;
+    if (failure) return tl::unexpected(*failure);
+    Build result;
+    result.verdict = verdict;
+    if (!verdict.ready) return result;
+    auto left = volume::cut_volume(*volume::read(input.volume_directory, true), input.region);
+    result.volume = std::move(*left);
     return result;
   }
   Verdict verdict;
@@ -227,6 +256,102 @@ TEST_F(WorkerTest, AVolumeThatAKilledClaimerLeftIsReplaced) {
   EXPECT_TRUE(worker().work_once());
   EXPECT_TRUE(volume::read(volume_of(job).string(), true).has_value());
   EXPECT_EQ(jobs_.ready.size(), 1u);
+}
+
+/// A stored volume of ones with a row of markers, and an order to keep its lower half.
+class CutTest : public WorkerTest {
+ protected:
+  Job order(int attempts = 1) {
+    volume::Volume stored;
+    stored.header.size = {16, 16, 16};
+    stored.voxels.assign(16 * 16 * 16, 1);
+    std::fill(stored.voxels.end() - 16, stored.voxels.end(), std::int16_t{12345});
+    volume::measure(stored);
+    Job job;
+    job.data_set_id = new_id();
+    job.attempts = attempts;
+    EXPECT_TRUE(volume::write(stored, volume_of(job).string()).has_value());
+    job.cut = CutOrder{{{-8, -8, -8}, {8, 8, 0}, {}}, stored.header.content_hash, {}};
+    jobs_.waiting.push_back(job);
+    return job;
+  }
+  volume::Volume stored(const Job& job) const {
+    return *volume::read(volume_of(job).string(), true);
+  }
+  std::size_t in_store() const {
+    return static_cast<std::size_t>(
+        std::distance(fs::directory_iterator(root_ / "volumes"), fs::directory_iterator()));
+  }
+  void expect_old(const Job& job) const {
+    EXPECT_EQ(stored(job).header.content_hash, job.cut->of);
+    EXPECT_EQ(in_store(), 1U);
+  }
+};
+
+TEST_F(CutTest, WhatIsLeftTakesThePlaceOfTheVolume) {
+  const Job job = order();
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_EQ(jobs_.ready, std::vector{job.data_set_id});
+  EXPECT_EQ(stored(job).header.size, (std::array<std::uint32_t, 3>{16, 16, 8}));
+  EXPECT_EQ(stored(job).header.maximum, 1);
+  EXPECT_EQ(jobs_.noted, std::vector{stored(job).header.content_hash});
+  EXPECT_EQ(jobs_.last_header.content_hash, jobs_.noted[0]);
+  EXPECT_EQ(in_store(), 1U);
+}
+
+TEST_F(CutTest, AnOrderOfAVolumeThatIsNotThereAnyMoreCutsNothing) {
+  Job job = order();
+  jobs_.waiting.front().cut->of = "blake2b:another";
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_EQ(builder_.builds, 0);
+  ASSERT_EQ(jobs_.refusals.size(), 1U);
+  expect_old(job);
+}
+
+TEST_F(CutTest, WhatKeepsTooLittleCutsNothing) {
+  Job job = order();
+  jobs_.waiting.front().cut->region = {};
+  EXPECT_TRUE(worker().work_once());
+  ASSERT_EQ(jobs_.refusals.size(), 1U);
+  expect_old(job);
+}
+
+TEST_F(CutTest, AChildThatFailsCutsNothing) {
+  const Job job = order();
+  builder_.verdict = refused("too_large", "It needs too much.");
+  EXPECT_TRUE(worker().work_once());
+  ASSERT_EQ(jobs_.refusals.size(), 1U);
+  EXPECT_EQ(jobs_.refusals[0].second, "It needs too much. Nothing was cut.");
+  expect_old(job);
+}
+
+TEST_F(CutTest, OnlyWhoHoldsTheJobPutsTheNewOneInPlace) {
+  const Job job = order();
+  jobs_.hold_at_note = Hold::kLost;
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_TRUE(jobs_.ready.empty());
+  expect_old(job);
+}
+
+TEST_F(CutTest, AnAttemptThatWasKilledAfterTheExchangeIsOnlyFinished) {
+  Job job = order();
+  volume::Volume left = *volume::cut_volume(stored(job), job.cut->region);
+  ASSERT_TRUE(volume::replace(left, volume_of(job).string(), []() -> Result<void> { return {}; }));
+  fs::create_directory(root_ / "volumes" /
+                       ".tmp-old");  // what the killed one had no time to remove
+  jobs_.waiting.front().cut->result = left.header.content_hash;
+  jobs_.waiting.front().attempts = 7;
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_EQ(builder_.builds, 0);
+  EXPECT_EQ(jobs_.ready, std::vector{job.data_set_id});
+  EXPECT_EQ(in_store(), 1U);
+}
+
+TEST_F(CutTest, ADataSetDeletedBeforeTheEndLeavesNothing) {
+  const Job job = order();
+  jobs_.hold_at_finish = Hold::kDeleted;
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_EQ(in_store(), 0U);
 }
 
 }  // namespace

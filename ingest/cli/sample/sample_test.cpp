@@ -89,11 +89,11 @@ TEST_F(Sample, TheSeriesInABundleBecomesTheSameVolumeVoxelByVoxel) {
   ASSERT_TRUE(choice.suitable) << choice.text;
   auto built = ingest::build_volume(source, *scan, choice, limits.file);
   ASSERT_TRUE(built.has_value()) << built.error().message;
-  EXPECT_EQ(built->voxels, wanted.voxels);
-  EXPECT_EQ(built->header.direction, wanted.header.direction);
+  EXPECT_EQ(built->volume.voxels, wanted.voxels);
+  EXPECT_EQ(built->volume.header.direction, wanted.header.direction);
   for (std::size_t i = 0; i < 3; ++i)
-    EXPECT_NEAR(built->header.spacing[i], wanted.header.spacing[i], 1e-9);
-  EXPECT_TRUE(built->header.repairs.empty());
+    EXPECT_NEAR(built->volume.header.spacing[i], wanted.header.spacing[i], 1e-9);
+  EXPECT_TRUE(built->volume.header.repairs.empty());
   close(fd);
 }
 

@@ -31,8 +31,9 @@ std::string suitable_line(const dicom::Series& series) {
   const dicom::Assessment& a = series.assessment;
   char text[200];
   std::snprintf(text, sizeof text, "%-4s %-9s %5zu slices   %u x %u x %u   %.3f x %.3f x %.3f mm\n",
-                modality_name(a.modality), dicom::plane_name(a.direction).c_str(), a.order.size(),
-                a.size[0], a.size[1], a.size[2], a.spacing[0], a.spacing[1], a.spacing[2]);
+                modality_name(a.modality), dicom::plane_name(a.direction).c_str(),
+                std::size_t{a.size[2]}, a.size[0], a.size[1], a.size[2], a.spacing[0], a.spacing[1],
+                a.spacing[2]);
   return text;
 }
 
@@ -81,10 +82,11 @@ ordered_json series_json(const dicom::Series& series) {
   json["suitable"] = a.suitable;
   json["modality"] = modality_name(a.modality);
   json["files"] = series.slices.size();
-  json["slices"] = a.order.size();
+  json["slices"] = a.suitable ? a.size[2] : 0;
   json["size"] = a.suitable ? ordered_json(a.size) : ordered_json();
   json["spacing_mm"] = a.suitable ? ordered_json(a.spacing) : ordered_json();
   json["direction"] = a.suitable ? ordered_json(a.direction) : ordered_json();
+  json["origin_mm"] = a.suitable ? ordered_json(a.origin) : ordered_json();
   json["plane"] = a.suitable ? ordered_json(dicom::plane_name(a.direction)) : ordered_json();
   json["repairs"] = a.repairs;
   json["reason"] = a.suitable ? ordered_json() : ordered_json{{"code", a.code}, {"text", a.text}};
@@ -119,6 +121,11 @@ std::string as_json(const dicom::Scan& scan) {
                       {"too_large", out.too_large},
                       {"unsupported", out.unsupported},
                       {"not_slices", out.not_slices}};
+  const dicom::Choice choice = dicom::choose(scan);
+  json["upload"] = {{"suitable", choice.suitable},
+                    {"code", choice.code},
+                    {"text", choice.text},
+                    {"repairs", choice.repairs}};
   return json.dump(2) + "\n";
 }
 

@@ -1,0 +1,80 @@
+#include "ingest/build/resample.h"
+
+#include <vtkImageData.h>
+#include <vtkImageReslice.h>
+#include <vtkImageStencilData.h>
+#include <vtkNew.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ingest/build/image_volume.h"
+
+namespace diaphane::ingest {
+namespace {
+
+bool is_whole(double value) { return std::abs(value - std::round(value)) < 1e-6; }
+
+/// Pixels that lie on the slice, as the filter has seen it.
+std::uint64_t covered(vtkImageStencilData* stencil, int width, int height) {
+  std::uint64_t count = 0;
+  for (int y = 0; y < height; ++y) {
+    int from = 0, to = 0, next = 0;
+    while (stencil->GetNextExtent(from, to, 0, width - 1, y, 0, next) != 0) {
+      count += static_cast<std::uint64_t>(to - from) + 1;
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
+void resample(const dicom::Assessment& found, std::int16_t air, Built& built) {
+  volume::Volume& slices = built.volume;
+  const auto image = borrow(slices);
+  image->SetSpacing(1, 1, 1);  // the plan counts pixels and slices
+  image->SetDirectionMatrix(1, 0, 0, 0, 1, 0, 0, 0, 1);
+  const auto [low, high] = std::minmax_element(slices.voxels.begin(), slices.voxels.end());
+  const std::int16_t least = *low, most = *high;
+
+  volume::Volume straight;
+  straight.header = slices.header;
+  straight.header.size = found.size;
+  straight.voxels.resize(straight.header.voxel_count());
+  const auto width = found.size[0], height = found.size[1];
+  const std::size_t picture = std::size_t{width} * height;
+
+  vtkNew<vtkImageReslice> reslice;
+  reslice->SetInputData(image);
+  reslice->SetEnableSMP(false);
+  reslice->SetNumberOfThreads(1);
+  reslice->SetBackgroundLevel(air);
+  reslice->GenerateStencilOutputOn();
+  reslice->SetBorder(false);  // nothing is made up beyond the outermost pixels' centres
+  reslice->SetOutputSpacing(1, 1, 1);
+  reslice->SetOutputExtent(0, static_cast<int>(width) - 1, 0, static_cast<int>(height) - 1, 0, 0);
+  for (std::size_t z = 0; z < found.sources.size(); ++z) {
+    const dicom::Source& source = found.sources[z];
+    std::array<double, 2> from{};  // where the slice's first pixel comes to lie
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      from[axis] = source.shift[axis] / found.spacing[axis] - found.corner[axis];
+    }
+    if (is_whole(source.slice)) {
+      reslice->SetInterpolationModeToCubic();
+    } else {
+      reslice->SetInterpolationModeToLinear();
+    }
+    reslice->SetOutputOrigin(-from[0], -from[1], source.slice);
+    reslice->Update();
+    const auto* values = static_cast<const std::int16_t*>(reslice->GetOutput()->GetScalarPointer());
+    std::int16_t* to = straight.voxels.data() + z * picture;
+    std::transform(values, values + picture, to, [&](std::int16_t value) {
+      return value == air ? air : std::clamp(value, least, most);
+    });
+    built.filler.count += picture - covered(reslice->GetStencilOutput(), static_cast<int>(width),
+                                            static_cast<int>(height));
+  }
+  slices = std::move(straight);
+}
+
+}  // namespace diaphane::ingest

@@ -1,0 +1,133 @@
+#include <algorithm>
+
+#include "ingest/head/signs.h"
+
+namespace diaphane::ingest {
+namespace {
+
+constexpr float kBone = 250;                      // HU; thin bone is blurred by what is around it
+constexpr float kSoftLow = -30, kSoftHigh = 130;  // HU: brain, blood, fluid
+constexpr double kLeastArea = 3000;               // mm^2: an infant's brain a little above its base
+constexpr double kLeastSide = 50, kMostSide = 220;  // mm
+constexpr double kLeastSoft = 0.6;                  // of what is enclosed
+constexpr int kLeastLevels = 8;                     // in a row: 24 mm
+
+struct Level {
+  Mask enclosed;
+  bool fits = false;
+};
+
+/// Bone (not 0), grown by a cell: sutures, and the thin roof of the orbit, are no doors.
+Mask grown_bone(const Coarse& coarse, int z) {
+  const int width = coarse.size[0], height = coarse.size[1];
+  Mask bone(coarse.cells_of_level(), 0);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      if (coarse.most[coarse.at(x, y, z)] < kBone) continue;
+      for (int ny = std::max(0, y - 1); ny <= std::min(height - 1, y + 1); ++ny) {
+        for (int nx = std::max(0, x - 1); nx <= std::min(width - 1, x + 1); ++nx) {
+          bone[static_cast<std::size_t>(nx + width * ny)] = 1;
+        }
+      }
+    }
+  }
+  return bone;
+}
+
+/// Cells from which one sees bone in nearly all directions of the level. A hole in the shell (a
+/// fracture, an operation) hides it in some, so that it may be open without being missed.
+Mask enclosed_by(const Mask& bone, int width, int height) {
+  constexpr std::array<std::array<int, 2>, 16> kDirections{{{1, 0},
+                                                            {-1, 0},
+                                                            {0, 1},
+                                                            {0, -1},
+                                                            {1, 1},
+                                                            {-1, 1},
+                                                            {1, -1},
+                                                            {-1, -1},
+                                                            {2, 1},
+                                                            {-2, 1},
+                                                            {2, -1},
+                                                            {-2, -1},
+                                                            {1, 2},
+                                                            {-1, 2},
+                                                            {1, -2},
+                                                            {-1, -2}}};
+  constexpr int kLeastSeen = 14;
+  std::vector<int> seen(bone.size(), 0);
+  Mask hit(bone.size());
+  for (const auto& [dx, dy] : kDirections) {
+    // Against the direction, so that what the next cell sees is known: no ray is walked twice.
+    for (int row = 0; row < height; ++row) {
+      const int y = dy > 0 ? height - 1 - row : row;
+      for (int column = 0; column < width; ++column) {
+        const int x = dx > 0 ? width - 1 - column : column;
+        const int nx = x + dx, ny = y + dy;
+        const auto cell = static_cast<std::size_t>(x + width * y);
+        const bool within = nx >= 0 && nx < width && ny >= 0 && ny < height;
+        const auto next = within ? static_cast<std::size_t>(nx + width * ny) : 0;
+        hit[cell] = within && (bone[next] || hit[next]);
+        seen[cell] += hit[cell];
+      }
+    }
+  }
+  Mask enclosed(bone.size());
+  for (std::size_t i = 0; i < bone.size(); ++i) enclosed[i] = !bone[i] && seen[i] >= kLeastSeen;
+  return enclosed;
+}
+
+Level look_at(const Coarse& coarse, int z) {
+  const int width = coarse.size[0], height = coarse.size[1];
+  const std::size_t first = coarse.at(0, 0, z);
+  Level level{enclosed_by(grown_bone(coarse, z), width, height), false};
+  const std::size_t cells = keep_largest(level.enclosed, width, height);
+  if (static_cast<double>(cells) * Coarse::kCellMm * Coarse::kCellMm < kLeastArea) return level;
+
+  int low_x = width, high_x = -1, low_y = height, high_y = -1;
+  std::size_t soft = 0;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const auto cell = static_cast<std::size_t>(x + width * y);
+      if (!level.enclosed[cell]) continue;
+      low_x = std::min(low_x, x), high_x = std::max(high_x, x);
+      low_y = std::min(low_y, y), high_y = std::max(high_y, y);
+      const float value = coarse.mean[first + cell];
+      soft += value >= kSoftLow && value <= kSoftHigh;
+    }
+  }
+  const double across = (high_x - low_x + 1) * Coarse::kCellMm;
+  const double deep = (high_y - low_y + 1) * Coarse::kCellMm;
+  level.fits = std::min(across, deep) >= kLeastSide && std::max(across, deep) <= kMostSide &&
+               static_cast<double>(soft) >= kLeastSoft * static_cast<double>(cells);
+  return level;
+}
+
+}  // namespace
+
+std::optional<Brain> find_brain_case(const Coarse& coarse) {
+  std::vector<Level> levels;
+  int begin = 0, best_begin = 0, best_count = 0;
+  for (int z = 0; z < coarse.size[2]; ++z) {
+    levels.push_back(look_at(coarse, z));
+    if (!levels.back().fits) begin = z + 1;
+    if (z + 1 - begin > best_count) {
+      best_begin = begin;
+      best_count = z + 1 - begin;
+    }
+  }
+  if (best_count < kLeastLevels) return std::nullopt;
+  Brain brain;
+  for (int z = best_begin; z < best_begin + best_count; ++z) {
+    for (int y = 0; y < coarse.size[1]; ++y) {
+      for (int x = 0; x < coarse.size[0]; ++x) {
+        if (levels[static_cast<std::size_t>(z)]
+                .enclosed[static_cast<std::size_t>(x + coarse.size[0] * y)]) {
+          brain.push_back(coarse.place(x, y, z));
+        }
+      }
+    }
+  }
+  return brain;
+}
+
+}  // namespace diaphane::ingest

@@ -1,0 +1,77 @@
+#include "ingest/pipeline/cut_child.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <new>
+
+#include "ingest/pipeline/child.h"
+#include "ingest/pipeline/report.h"
+#include "ingest/pipeline/supervisor.h"
+#include "volume/header.h"
+#include "volume/region.h"
+
+namespace diaphane::ingest {
+namespace {
+
+/// The next slice; the sandbox lets it read on and seek, no more.
+bool read_slice(std::vector<std::int16_t>& slice) {
+  char* at = reinterpret_cast<char*>(slice.data());
+  std::size_t bytes = slice.size() * sizeof(std::int16_t);
+  while (bytes > 0) {
+    const ssize_t got = read(kChildInput, at, bytes);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    at += got;
+    bytes -= static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+Verdict cut(const std::string& header_text, const std::string& region_text) {
+  const auto header = volume::from_json(header_text);
+  const auto region = volume::region_from_json(region_text);
+  if (!header || !region) return refused("internal", "The cut could not be made.");
+  const auto plan = volume::plan_cut(*header, *region);
+  if (!plan) return refused("nothing_left", "Too little of the scan would be left.");
+  std::vector<std::int16_t> from(std::size_t{header->size[0]} * header->size[1]);
+  std::vector<std::int16_t> to(std::size_t{plan->size[0]} * plan->size[1]);
+  const auto begin = static_cast<off_t>(plan->low[2] * from.size() * sizeof(std::int16_t));
+  if (lseek(kChildInput, begin, SEEK_SET) != begin) {
+    return refused("damaged", "The stored scan cannot be read.");
+  }
+  for (std::uint32_t z = 0; z < plan->size[2]; ++z) {
+    if (!read_slice(from)) {
+      return refused("damaged", "The stored scan cannot be read.");
+    }
+    volume::cut_slice(*header, *region, *plan, z, from, to);
+    if (!write_all(kChildOutput, reinterpret_cast<const char*>(to.data()),
+                   to.size() * sizeof(std::int16_t))) {
+      return refused("internal", "The cut could not be kept; please try again later.");
+    }
+  }
+  Verdict verdict;
+  verdict.ready = true;
+  verdict.header = volume::after(*header, *plan);
+  return verdict;
+}
+
+}  // namespace
+
+int run_cut_child_main(const std::string& header, const std::string& region,
+                       const SandboxLimits& sandbox) {
+  constexpr int kNoSandbox = 70;
+  if (!enter_sandbox(sandbox)) return kNoSandbox;
+  Verdict verdict;
+  try {
+    verdict = cut(header, region);
+  } catch (const std::bad_alloc&) {
+    verdict = refused("too_large", "The cut needs more memory than is allowed.");
+  }
+  const std::string report = write_report(verdict);
+  return report.size() <= kLongestReport && write_all(kChildReport, report.data(), report.size())
+             ? 0
+             : kNoSandbox;
+}
+
+}  // namespace diaphane::ingest

@@ -1,0 +1,80 @@
+// The part of the worker that anonymises: what is outside the kept region goes for good.
+#include <filesystem>
+
+#include "common/log.h"
+#include "ingest/head/find_head.h"
+#include "ingest/pipeline/worker.h"
+#include "volume/region.h"
+#include "volume/store.h"
+
+namespace diaphane::ingest {
+
+void Worker::work_cut(const Job& job) {
+  const CutOrder& order = *job.cut;
+  log::info("cut_begun", {{"data_set", job.data_set_id}, {"attempt", job.attempts}});
+  const auto header = volume::read_header(volume_path(job));
+  if (!header && header.error().code == ErrorCode::kUnavailable) return pause(options_.poll);
+  if (!header) return refuse_cut(job, "The stored scan cannot be read.");
+  if (!order.result.empty() && header->content_hash == order.result) {
+    // An earlier attempt was ended after the exchange: the old one may lie about under another
+    // name.
+    (void)volume::sweep_unfinished(options_.volume_dir);
+    const auto left = volume::read(volume_path(job), false);
+    if (!left) return pause(options_.poll);
+    return finish_cut(job, *left);
+  }
+  if (header->content_hash != order.of) {
+    return refuse_cut(job, "The scan is not the one that was looked at; nothing was cut.");
+  }
+  if (job.attempts > options_.most_attempts) {
+    return refuse_cut(job, "The cut could not be made; nothing was changed.");
+  }
+  const auto plan = volume::plan_cut(*header, order.region);
+  if (!plan) return refuse_cut(job, "Too little of the scan would be left; nothing was cut.");
+
+  Hold hold = Hold::kOurs;
+  auto build = builder_.cut({volume_path(job), *header, order.region}, keep_going(job, hold));
+  if (!build) {
+    log::error("cut_failed", {{"data_set", job.data_set_id}, {"reason", build.error().message}});
+    return pause(options_.poll);  // the lease runs out and the job is tried again
+  }
+  if (hold != Hold::kOurs) return;
+  if (build->stopped) return give_back(job);
+  if (!build->verdict.ready) return refuse_cut(job, build->verdict.text + " Nothing was cut.");
+
+  const auto replaced = volume::replace(build->volume, volume_path(job), [&]() -> Result<void> {
+    const std::string& hash = build->volume.header.content_hash;
+    const auto noted = insist([&] { return jobs_.note_cut(job, hash, plan->shift); });
+    if (!noted) return tl::unexpected(noted.error());
+    if (*noted != Hold::kOurs) return fail(ErrorCode::kConflict, "the job is not ours any more");
+    return {};
+  });
+  if (!replaced) {
+    log::warning("cut_not_stored",
+                 {{"data_set", job.data_set_id}, {"reason", replaced.error().message}});
+    return pause(options_.poll);
+  }
+  events_.built(build->seconds, build->peak_bytes);
+  finish_cut(job, build->volume);
+}
+
+void Worker::finish_cut(const Job& job, const volume::Volume& volume) {
+  const volume::Header& header = volume.header;
+  const std::string head = to_json(find_head(volume));
+  const std::uint64_t bytes = header.voxel_count() * sizeof(std::int16_t);
+  const auto hold = insist([&] { return jobs_.finish_cut(job, header, bytes, head); });
+  if (!hold) return;  // stopping while Postgres is away: taken up again later
+  if (*hold == Hold::kDeleted) return discard_volume(job);
+  if (*hold == Hold::kLost) return;
+  log::info("cut_done", {{"data_set", job.data_set_id}, {"voxels", header.voxel_count()}});
+  events_.done("cut");
+}
+
+void Worker::refuse_cut(const Job& job, const std::string& text) {
+  const auto hold = insist([&] { return jobs_.finish_cut_refused(job, text); });
+  if (!hold || *hold != Hold::kOurs) return;
+  log::warning("cut_refused", {{"data_set", job.data_set_id}});
+  events_.done("cut_refused");
+}
+
+}  // namespace diaphane::ingest
