@@ -8,15 +8,24 @@
 #include <memory>
 #include <string>
 
+#include "api/admin_command.h"
+#include "api/archive/zip_writer.h"
 #include "api/handlers/routes.h"
 #include "api/http/executor.h"
 #include "api/http/listener.h"
 #include "api/http/request_metrics.h"
 #include "api/mail/transport.h"
+#include "api/postgres/account_change_repository.h"
 #include "api/postgres/account_repository.h"
+#include "api/postgres/administration_repository.h"
+#include "api/postgres/anonymise_repository.h"
 #include "api/postgres/data_set_repository.h"
 #include "api/postgres/migrate.h"
+#include "api/postgres/preset_repository.h"
+#include "api/postgres/privacy_repository.h"
 #include "api/postgres/recording_repository.h"
+#include "api/postgres/report_repository.h"
+#include "api/postgres/sharing_repository.h"
 #include "api/redis/client.h"
 #include "api/redis/links.h"
 #include "api/redis/sessions.h"
@@ -27,7 +36,9 @@
 #include "common/config.h"
 #include "common/log.h"
 #include "common/service/admin_server.h"
+#include "common/service/core_files.h"
 #include "common/service/signals.h"
+#include "volume/volume.h"
 
 namespace diaphane::api {
 namespace {
@@ -86,6 +97,10 @@ Settings read_settings(ConfigReader& in) {
       in.integer("max-upload-mb", "largest upload, in MiB", 1, 1'000'000, 8192) << 20;
   s.data_sets.upload_life = std::chrono::seconds(
       in.integer("upload-expiry-s", "an upload left for this long expires", 1, 30 * 86400, 86400));
+  s.data_sets.reserve_bytes =
+      in.integer("disk-reserve-mb", "kept free of uploads on their disk, in MiB", 0, 1'000'000,
+                 1024)
+      << 20;
   const std::string token_file =
       in.text("sample-token", "file with the token that uploads the public sample", "");
   if (!token_file.empty()) {
@@ -117,6 +132,10 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   Database database(settings.postgres, kConnections);
   AccountRepository account_store(database);
   DataSetRepository data_set_store(database);
+  AccountChangeRepository account_change_store(database);
+  AdministrationRepository administration_store(database);
+  RenderTimeRepository render_time_store(database);
+  PrivacyRepository privacy_store(database);
   MailRepository mail_store(database);
 
   // Up first, so that a start that hangs can be looked at; ready only when both listeners are open.
@@ -136,20 +155,44 @@ int serve(const Settings& settings, service::StopSignal& stop) {
 
   PasswordHasher hasher(kHashingSlots);
   Accounts accounts(account_store, hasher, clock, {.public_url = settings.public_url});
+  AccountChanges account_changes(account_change_store, account_store, accounts, hasher, placed,
+                                 clock, {.public_url = settings.public_url});
   UploadFiles files(settings.upload_dir);
   DataSets data_sets(data_set_store, placed, clock, settings.data_sets,
                      [&] { return files.free_bytes(); });
-  Uploads uploads(data_set_store, files, clock, settings.data_sets.upload_life);
-  Sessions sessions(data_sets, placed);
+  // Half of it is for the parts of what was announced before the disk filled up.
+  Uploads uploads(data_set_store, files, clock, settings.data_sets.upload_life,
+                  settings.data_sets.reserve_bytes / 2);
+  RenderTime render_time(render_time_store, placed, placed, clock);
+  Sessions sessions(data_sets, placed, render_time);
+  Administration administration(administration_store, placed, placed, clock);
+  const std::string export_dir = settings.cache_dir + "/exports";
+  Exports exports(privacy_store, ZipWriter::create, clock, settings.volume_dir, export_dir);
+  AccountDeletion deletion(privacy_store, accounts, placed, clock);
   redis::Links link_store(**redis_client);
   RecordingRepository recording_store(database);
   Recordings recordings(recording_store, clock);
+  SharingRepository sharing_store(database);
+  Sharing sharing(data_sets, sharing_store, account_store, placed, clock,
+                  {.public_url = settings.public_url});
+  Visits visits(data_sets, sharing_store, account_store, placed, clock, {});
+  PresetRepository preset_store(database);
+  Presets presets(data_sets, preset_store, clock);
+  ReportRepository report_store(database);
+  Reports reports(data_sets, report_store, account_store, clock,
+                  [&](const std::string& data_set) { sharing.end_lost_sessions(data_set); });
   LiveLinks live_links(data_sets, placed, link_store);
   stream::WorkerStills stills(placed);
   Thumbnails thumbnails(data_sets, stills, settings.cache_dir);
 
+  CutRepository cut_store(database);
+  Anonymise anonymise(data_sets, cut_store, thumbnails, placed, clock, [&](const std::string& id) {
+    const auto header = volume::read_header(settings.volume_dir + "/" + id);
+    return header ? header->content_hash : std::string();
+  });
+
   Mailer mailer(mail_store, **transport, clock);
-  Disposer disposer(data_set_store, files, thumbnails, settings.volume_dir);
+  Disposer disposer(data_set_store, files, thumbnails, settings.volume_dir, export_dir);
   Periodic send_mails("mail", 2s, [&] {
     const auto [sent, failed] = mailer.send_due();
     metrics.mails(sent, failed);
@@ -158,11 +201,21 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     (void)data_set_store.expire_uploads(clock.wall());
     metrics.disposed(disposer.dispose());
   });
+  Periodic end_visits("visits", 5s, [&] { visits.expire(); });
   Periodic tidy("tidying", 10min, [&] {
     (void)account_store.tidy(clock.wall());
     (void)recording_store.expire(clock.wall());
   });
+  Periodic count_render_time("render time", 2s, [&] { render_time.look(); });
+  Periodic make_exports("exports", 30s, [&] { exports.look(); });
+  exports.on_request([&] { make_exports.wake(); });
+  deletion.on_removal([&] {
+    dispose.wake();
+    send_mails.wake();
+  });
   accounts.on_mail([&] { send_mails.wake(); });
+  account_changes.on_mail([&] { send_mails.wake(); });
+  sharing.on_mail([&] { send_mails.wake(); });
   data_sets.on_disposal([&] { dispose.wake(); });
   uploads.on_disposal([&] { dispose.wake(); });
 
@@ -173,12 +226,20 @@ int serve(const Settings& settings, service::StopSignal& stop) {
                            metrics.measured(request);
                            metrics.set_waiting(static_cast<double>(executor.waiting()));
                          }});
-  front.add(account_routes(accounts, front));
+  front.add(account_routes(accounts, render_time, front));
+  front.add(account_change_routes(account_changes, front));
+  front.add(admin_routes(administration));
+  front.add(privacy_routes(exports, deletion, front));
   front.add(data_set_routes(data_sets, thumbnails));
-  front.add(upload_routes(uploads, settings.data_sets.max_upload_bytes));
+  front.add(upload_routes(uploads, data_sets));
   front.add(session_routes(sessions));
   front.add(live_routes(live_links));
   front.add(recording_routes(recordings));
+  front.add(sharing_routes(sharing));
+  front.add(anonymise_routes(anonymise));
+  front.add(visit_routes(visits));
+  front.add(preset_routes(presets));
+  front.add(report_routes(reports));
 
   auto listener = Listener::open(front, executor, {.port = settings.api_port});
   if (!listener) {
@@ -213,8 +274,10 @@ int serve(const Settings& settings, service::StopSignal& stop) {
 int main(int argc, char** argv) {
   using namespace diaphane;
   if (sodium_init() < 0) return 70;
+  service::forbid_core_files();
   ConfigReader in(argc, argv);
   if (!in.words().empty() && in.words().front() == "migrate") return api::run_migrate(in);
+  if (!in.words().empty() && in.words().front() == "admin") return api::run_admin(in);
   const api::Settings settings = api::read_settings(in);
   if (!in.words().empty()) in.mistake("unknown word " + in.words().front() + " (try --help)");
   if (auto done =

@@ -16,18 +16,36 @@ Outcome<Credentials> read_credentials(const Request& request) {
   return credentials;
 }
 
-Outcome<Response> me(Accounts& accounts, const Principal& who) {
+/// The rough name that the edge makes of User-Agent, which itself comes no further than there.
+std::string browser_of(const Request& request) {
+  std::string name(request.header("x-browser").substr(0, 60));
+  std::erase_if(name, [](char c) { return c < 0x20 || c > 0x7e; });
+  return name;
+}
+
+Outcome<Response> me(Accounts& accounts, RenderTime& render_time, const Principal& who) {
   const auto quota = accounts.quota_of(who.user_id);
   if (!quota) return tl::unexpected(quota.error());
+  const auto time = render_time.account(who.user_id);
+  if (!time) return tl::unexpected(time.error());
+  nlohmann::ordered_json spent{{"quota_ms", time->quota_ms},
+                               {"used_ms", time->used_ms},
+                               {"renewed_at", rfc3339(time->next_month)},
+                               {"pictures_end_at", nullptr}};
+  if (time->spent() && time->warned_at) {
+    spent["pictures_end_at"] = rfc3339(*time->warned_at + RenderTime::kGrace);
+  }
   return json_response(200, {{"id", who.user_id},
                              {"email", who.email},
                              {"csrf_token", who.csrf_token},
-                             {"quota", {{"bytes", quota->bytes}, {"used_bytes", quota->used}}}});
+                             {"administrator", who.administrator},
+                             {"quota", {{"bytes", quota->bytes}, {"used_bytes", quota->used}}},
+                             {"render_time", std::move(spent)}});
 }
 
 }  // namespace
 
-std::vector<Route> account_routes(Accounts& accounts, const Front& front) {
+std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, const Front& front) {
   const auto sign_up = [&accounts](const Request& request, const Principal&) -> Outcome<Response> {
     const auto given = read_credentials(request);
     if (!given) return tl::unexpected(given.error());
@@ -43,13 +61,14 @@ std::vector<Route> account_routes(Accounts& accounts, const Front& front) {
     if (!done) return tl::unexpected(done.error());
     return empty_response(204);
   };
-  const auto sign_in = [&accounts, &front](const Request& request,
-                                           const Principal&) -> Outcome<Response> {
+  const auto sign_in = [&accounts, &render_time, &front](const Request& request,
+                                                         const Principal&) -> Outcome<Response> {
     const auto given = read_credentials(request);
     if (!given) return tl::unexpected(given.error());
-    const auto opened = accounts.sign_in(given->email, given->password, request.address);
+    const auto opened =
+        accounts.sign_in(given->email, given->password, request.address, browser_of(request));
     if (!opened) return tl::unexpected(opened.error());
-    auto response = me(accounts, opened->principal);
+    auto response = me(accounts, render_time, opened->principal);
     if (response) response->with("Set-Cookie", front.cookie(opened->token));
     return response;
   };
@@ -59,8 +78,8 @@ std::vector<Route> account_routes(Accounts& accounts, const Front& front) {
     if (!done) return tl::unexpected(done.error());
     return empty_response(204).with("Set-Cookie", front.cookie(""));
   };
-  const auto get_me = [&accounts](const Request&, const Principal& who) {
-    return me(accounts, who);
+  const auto get_me = [&accounts, &render_time](const Request&, const Principal& who) {
+    return me(accounts, render_time, who);
   };
   return {
       {"POST", "/v1/accounts", "signUp", Access::kAnyone, sign_up, {}},

@@ -8,13 +8,9 @@ namespace {
 Outcome<Response> list(DataSets& data_sets, const Request& request, const Principal& who) {
   const auto limit = integer_in_query(request, "limit", 50, 1, 100);
   if (!limit) return tl::unexpected(limit.error());
-  std::optional<Cursor> after;
-  if (const auto given = request.query.find("cursor"); given != request.query.end()) {
-    auto cursor = decode_cursor(given->second);
-    if (!cursor) return refuse_field("cursor", cursor.error().message);
-    after = *std::move(cursor);
-  }
-  const auto page = data_sets.list(who, after, *limit);
+  auto after = cursor_in_query(request);
+  if (!after) return tl::unexpected(after.error());
+  const auto page = data_sets.list(who, *after, *limit);
   if (!page) return tl::unexpected(page.error());
   nlohmann::ordered_json body;
   body["items"] = nlohmann::ordered_json::array();
@@ -54,6 +50,22 @@ std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails) 
     if (!found) return tl::unexpected(found.error());
     return json_response(200, to_json(*found));
   };
+  const auto describe_one = [&data_sets](const Request& request,
+                                         const Principal& who) -> Outcome<Response> {
+    Fields in(request);
+    Description what;
+    if (in.has("title")) what.title = in.text("title", 0, 80);
+    if (in.has("description")) what.text = in.prose_or("description", "", 2000);
+    if (in.is_null("body_part")) {
+      what.body_part = "";
+    } else if (in.has("body_part")) {
+      what.body_part = in.choice("body_part", kBodyParts);
+    }
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    const auto described = data_sets.describe(who, request.parameter("data_set_id"), what);
+    if (!described) return tl::unexpected(described.error());
+    return json_response(200, to_json(*described));
+  };
   const auto delete_one = [&data_sets](const Request& request,
                                        const Principal& who) -> Outcome<Response> {
     const auto done = data_sets.remove(who, request.parameter("data_set_id"));
@@ -65,12 +77,12 @@ std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails) 
     const auto path =
         thumbnails.get(who, request.parameter("data_set_id"), request.parameter("preset"));
     if (!path) return tl::unexpected(path.error());
-    // nginx sends the file; a data set never changes, so the picture is as good as its name.
+    // nginx sends the file. Asked each time, by its ETag: the data set may have been anonymised.
     Response response;
     response.content_type = "image/jpeg";
     return std::move(response)
         .with("X-Accel-Redirect", "/_cache/" + *path)
-        .with("Cache-Control", "private, max-age=3600");
+        .with("Cache-Control", "private, no-cache");
   };
   const std::string one = "/v1/data-sets/{data_set_id}";
   constexpr auto kAccess = Access::kPersonOrOperator;
@@ -78,8 +90,9 @@ std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails) 
       {"GET", "/v1/data-sets", "listDataSets", kAccess, list_them, {"limit", "cursor"}},
       {"POST", "/v1/data-sets", "createDataSet", kAccess, create_one, {}},
       {"GET", one, "getDataSet", kAccess, get_one, {}},
+      {"PATCH", one, "describeDataSet", kAccess, describe_one, {}},
       {"DELETE", one, "deleteDataSet", kAccess, delete_one, {}},
-      {"GET", one + "/thumbnails/{preset}", "getThumbnail", Access::kPerson, thumbnail, {}},
+      {"GET", one + "/thumbnails/{preset}", "getThumbnail", Access::kAnyoneOrPerson, thumbnail, {}},
   };
 }
 

@@ -142,10 +142,17 @@ Outcome<Principal> Front::identify(const Route& route, const Request& request) c
   }
 
   auto principal = accounts_.authenticate(token_of(request));
+  if (!principal && route.access == Access::kAnyoneOrPerson &&
+      principal.error().kind == ProblemKind::kUnauthenticated) {
+    return Principal{};
+  }
   if (!principal) return principal;
   if (!is_safe(request.method) &&
       !equal_in_constant_time(request.header("x-csrf-token"), principal->csrf_token)) {
     return refuse(ProblemKind::kCsrf, "X-CSRF-Token is missing or wrong; load the page anew.");
+  }
+  if (route.access == Access::kAdministrator && !principal->administrator) {
+    return refuse(ProblemKind::kForbidden, "Only an administrator may do this.");
   }
   return principal;
 }

@@ -14,9 +14,11 @@ namespace diaphane::api {
 
 /// Who may ask.
 enum class Access {
-  kAnyone,
+  kAnyone,            ///< the cookie is not looked at
+  kAnyoneOrPerson,    ///< with the cookie, or as nobody
   kPerson,            ///< with the cookie
   kPersonOrOperator,  ///< with the cookie, or with the sample's token
+  kAdministrator,     ///< with the cookie of one
 };
 
 /// One operation of api/openapi.yaml. The handler parses, calls a service, replies; the principal

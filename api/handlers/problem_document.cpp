@@ -16,6 +16,8 @@ ProblemForm form_of(ProblemKind kind) {
       return {"wrong-credentials", 401, "Wrong address or password"};
     case ProblemKind::kUnverified:
       return {"unverified", 403, "Address not confirmed"};
+    case ProblemKind::kDisabled:
+      return {"disabled", 403, "Account switched off"};
     case ProblemKind::kCsrf:
       return {"csrf", 403, "Token missing or wrong"};
     case ProblemKind::kOrigin:
@@ -30,6 +32,12 @@ ProblemForm form_of(ProblemKind kind) {
       return {"conflict", 409, "Another change came first"};
     case ProblemKind::kNotReady:
       return {"not-ready", 409, "Not ready"};
+    case ProblemKind::kNotAnonymised:
+      return {"not-anonymised", 409, "Not made anonymous yet"};
+    case ProblemKind::kPrecondition:
+      return {"precondition", 412, "It was changed meanwhile"};
+    case ProblemKind::kPreconditionRequired:
+      return {"precondition-required", 428, "If-Match is needed"};
     case ProblemKind::kOffsetMismatch:
       return {"offset-mismatch", 409, "The upload stands elsewhere"};
     case ProblemKind::kUploadComplete:
@@ -46,10 +54,14 @@ ProblemForm form_of(ProblemKind kind) {
       return {"tus-version", 412, "Another version of tus"};
     case ProblemKind::kOverQuota:
       return {"over-quota", 413, "Over the quota"};
+    case ProblemKind::kRenderTimeSpent:
+      return {"render-time-spent", 403, "No picture time left"};
     case ProblemKind::kUploadTooLarge:
       return {"upload-too-large", 413, "The upload is too large"};
     case ProblemKind::kBodyTooLarge:
       return {"body-too-large", 413, "The body is too large"};
+    case ProblemKind::kStorageFull:
+      return {"storage-full", 507, "The server's disk is full"};
     case ProblemKind::kMediaType:
       return {"media-type", 415, "Another media type is needed"};
     case ProblemKind::kIdempotencyKeyReused:

@@ -31,7 +31,12 @@ nlohmann::ordered_json to_json(const DataSet& d) {
   json["id"] = d.id;
   json["title"] = d.title;
   json["state"] = to_string(d.state);
-  json["owned"] = d.owned;
+  json["description"] = d.description;
+  json["body_part"] = nullptr;
+  if (!d.body_part.empty()) json["body_part"] = d.body_part;
+  json["role"] = to_string(d.role);
+  json["owner_name"] = d.owner_name;
+  json["owned"] = d.owned();
   json["is_public"] = d.is_public;
   json["is_sample"] = d.is_sample;
   json["refusal"] = nullptr;
@@ -53,6 +58,14 @@ nlohmann::ordered_json to_json(const DataSet& d) {
                       {"received_bytes", d.upload->received},
                       {"expires_at", rfc3339(d.upload->expires_at)}};
   }
+  json["shared"] = nullptr;
+  if (d.owned()) json["shared"] = {{"people", d.people}, {"links", d.links}};
+  json["taken_down"] = nullptr;
+  if (d.taken_down) json["taken_down"] = {{"reason", d.taken_down_reason}};
+  json["published_at"] = nullptr;
+  if (d.published_at) json["published_at"] = rfc3339(*d.published_at);
+  json["anonymised_at"] = nullptr;
+  if (d.anonymised_at) json["anonymised_at"] = rfc3339(*d.anonymised_at);
   json["created_at"] = rfc3339(d.created_at);
   json["updated_at"] = rfc3339(d.updated_at);
   return json;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <ctime>
+#include <regex>
 
 namespace diaphane::api {
 namespace {
@@ -15,6 +17,25 @@ std::size_t characters_in(const std::string& text) {
 bool has_control(const std::string& text) {
   return std::any_of(text.begin(), text.end(),
                      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
+}
+
+/// As a JSON text, whatever bytes it has: which is JSON only when they are UTF-8.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    const bool plain = c != '"' && c != '\\' && static_cast<unsigned char>(c) >= 0x20;
+    out += plain ? c : ' ';
+  }
+  return out + '"';
+}
+
+/// Postgres takes nothing else. (A body is looked at by the JSON parser.)
+bool is_utf8(const std::string& text) {
+  try {
+    return !nlohmann::json(text).dump().empty();
+  } catch (const nlohmann::json::exception&) {
+    return false;
+  }
 }
 
 bool is_json(std::string_view content_type) {
@@ -36,6 +57,14 @@ Fields::Fields(const Request& request) {
     unreadable_ = Problem{ProblemKind::kInvalid, "The body must be a JSON object.", {}, {}};
   }
   if (unreadable_) object_ = nlohmann::json::object();
+}
+
+Fields::Fields(const std::string& where, const std::map<std::string, std::string>& texts) {
+  for (const auto& [name, text] : texts) {
+    const bool is_utf8 = nlohmann::json::accept(quoted(text));
+    if (!is_utf8) wrong(where, "holds a " + name + " that is not UTF-8");
+    object_[name] = is_utf8 ? text : std::string();
+  }
 }
 
 const nlohmann::json* Fields::take(const std::string& name, bool required) {
@@ -77,6 +106,44 @@ std::string Fields::text_or(const std::string& name, std::string fallback, std::
   return value ? check_text(name, *value, 0, high) : fallback;
 }
 
+std::string Fields::prose_or(const std::string& name, std::string fallback, std::size_t high) {
+  const auto* value = take(name, false);
+  if (!value) return fallback;
+  if (!value->is_string()) {
+    wrong(name, "must be a text");
+    return fallback;
+  }
+  auto text = value->get<std::string>();
+  auto shown = text;
+  std::erase(shown, '\n');
+  if (characters_in(text) > high) {
+    wrong(name, "must have at most " + std::to_string(high) + " characters");
+  } else if (has_control(shown)) {
+    wrong(name, "must not hold control characters");
+  }
+  return text;
+}
+
+bool Fields::is_null(const std::string& name) {
+  return object_.contains(name) && take(name, false)->is_null();
+}
+
+std::string Fields::choice(const std::string& name, std::span<const std::string_view> known) {
+  const auto* value = take(name, true);
+  if (!value) return {};
+  auto text = value->is_string() ? value->get<std::string>() : std::string();
+  if (std::find(known.begin(), known.end(), text) == known.end()) {
+    wrong(name, "is none of those that are known here");
+  }
+  return text;
+}
+
+bool Fields::boolean(const std::string& name) {
+  const auto* value = take(name, true);
+  if (value && !value->is_boolean()) wrong(name, "must be true or false");
+  return value && value->is_boolean() && value->get<bool>();
+}
+
 std::string Fields::secret(const std::string& name, std::size_t high_bytes) {
   const auto* value = take(name, true);
   if (!value) return {};
@@ -113,6 +180,21 @@ std::int64_t Fields::integer_or(const std::string& name, std::int64_t fallback, 
   return value ? check_integer(name, *value, low, high) : fallback;
 }
 
+std::optional<std::int64_t> Fields::optional_integer(const std::string& name, std::int64_t low,
+                                                     std::int64_t high) {
+  const auto* value = take(name, false);
+  if (!value) return std::nullopt;
+  return check_integer(name, *value, low, high);
+}
+
+std::optional<bool> Fields::optional_boolean(const std::string& name) {
+  const auto* value = take(name, false);
+  if (!value) return std::nullopt;
+  if (value->is_boolean()) return value->get<bool>();
+  wrong(name, "must be true or false");
+  return std::nullopt;
+}
+
 void Fields::wrong(std::string field, std::string message) {
   mistakes_.push_back({std::move(field), std::move(message)});
 }
@@ -142,6 +224,56 @@ Outcome<int> integer_in_query(const Request& request, const std::string& name, i
         name, "must be a whole number from " + std::to_string(low) + " to " + std::to_string(high));
   }
   return value;
+}
+
+Outcome<std::optional<Cursor>> cursor_in_query(const Request& request) {
+  const auto found = request.query.find("cursor");
+  if (found == request.query.end()) return std::nullopt;
+  auto cursor = decode_cursor(found->second);
+  if (!cursor) return refuse_field("cursor", cursor.error().message);
+  return *std::move(cursor);
+}
+
+Outcome<std::string> text_in_query(const Request& request, const std::string& name,
+                                   std::size_t high) {
+  const auto found = request.query.find(name);
+  if (found == request.query.end()) return std::string();
+  if (characters_in(found->second) > high || has_control(found->second) ||
+      !is_utf8(found->second)) {
+    return refuse_field(name, "must be a text of at most " + std::to_string(high) + " characters");
+  }
+  return found->second;
+}
+
+Outcome<std::string> choice_in_query(const Request& request, const std::string& name,
+                                     std::span<const std::string_view> known) {
+  const auto found = request.query.find(name);
+  if (found == request.query.end()) return std::string();
+  if (std::find(known.begin(), known.end(), found->second) == known.end()) {
+    return refuse_field(name, "is none of those that are known here");
+  }
+  return found->second;
+}
+
+std::optional<std::chrono::system_clock::time_point> time_of(const std::string& text) {
+  static const std::regex form(R"((\d{4})-(\d\d)-(\d\d)[Tt](\d\d):(\d\d):(\d\d)(\.\d{1,9})?[Zz])");
+  std::smatch found;
+  if (text.size() > 40 || !std::regex_match(text, found, form)) return std::nullopt;
+  std::tm utc{};
+  utc.tm_year = std::stoi(found[1]) - 1900;
+  utc.tm_mon = std::stoi(found[2]) - 1;
+  utc.tm_mday = std::stoi(found[3]);
+  utc.tm_hour = std::stoi(found[4]);
+  utc.tm_min = std::stoi(found[5]);
+  utc.tm_sec = std::stoi(found[6]);
+  const std::tm given = utc;
+  const std::time_t seconds =
+      timegm(&utc);  // which sets it right: the 31st of February is another day
+  if (utc.tm_mday != given.tm_mday || utc.tm_mon != given.tm_mon || given.tm_sec > 59 ||
+      utc.tm_hour != given.tm_hour || utc.tm_min != given.tm_min) {
+    return std::nullopt;
+  }
+  return std::chrono::system_clock::from_time_t(seconds);
 }
 
 Outcome<std::string> idempotency_key(const Request& request) {

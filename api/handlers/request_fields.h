@@ -1,12 +1,16 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "api/handlers/message.h"
+#include "api/service/cursor.h"
 #include "api/service/problem.h"
 
 namespace diaphane::api {
@@ -20,16 +24,30 @@ namespace diaphane::api {
 class Fields {
  public:
   explicit Fields(const Request& request);
+  /// Of texts that came elsewhere, in the header `where`: any bytes, so their coding is checked.
+  Fields(const std::string& where, const std::map<std::string, std::string>& texts);
 
   /// Required. `low` to `high` characters of UTF-8; no control character (a line feed in a title is
   /// a mistake, a NUL an attack).
   std::string text(const std::string& name, std::size_t low, std::size_t high);
   std::string text_or(const std::string& name, std::string fallback, std::size_t high);
+  /// With line feeds: a description.
+  std::string prose_or(const std::string& name, std::string fallback, std::size_t high);
+  /// Is it there? And is it there and null (then it counts as read)?
+  bool has(const std::string& name) const { return object_.contains(name); }
+  bool is_null(const std::string& name);
+  /// One of `known`.
+  std::string choice(const std::string& name, std::span<const std::string_view> known);
+  bool boolean(const std::string& name);
   /// As it is, control characters too: passwords.
   std::string secret(const std::string& name, std::size_t high_bytes);
   std::int64_t integer(const std::string& name, std::int64_t low, std::int64_t high);
   std::int64_t integer_or(const std::string& name, std::int64_t fallback, std::int64_t low,
                           std::int64_t high);
+
+  std::optional<std::int64_t> optional_integer(const std::string& name, std::int64_t low,
+                                               std::int64_t high);
+  std::optional<bool> optional_boolean(const std::string& name);
 
   /// Required; null when it is missing. For what has a form of its own, checked by the caller.
   nlohmann::json any(const std::string& name);
@@ -56,6 +74,19 @@ class Fields {
 /// A number from the query, or `fallback`; kInvalid names the parameter.
 Outcome<int> integer_in_query(const Request& request, const std::string& name, int fallback,
                               int low, int high);
+
+/// A text of the query, or empty; kInvalid names the parameter.
+Outcome<std::string> text_in_query(const Request& request, const std::string& name,
+                                   std::size_t high);
+/// One of `known`, or empty.
+Outcome<std::string> choice_in_query(const Request& request, const std::string& name,
+                                     std::span<const std::string_view> known);
+
+/// Where a page begins: what the page before gave as `next_cursor`, or nothing for the first.
+Outcome<std::optional<Cursor>> cursor_in_query(const Request& request);
+
+/// A time of RFC 3339 in UTC ("2026-11-22T10:00:00Z", fractions of seconds are cut), or nothing.
+std::optional<std::chrono::system_clock::time_point> time_of(const std::string& text);
 
 /// The header, or empty when absent; kInvalid for what no key may be.
 Outcome<std::string> idempotency_key(const Request& request);

@@ -3,11 +3,20 @@
 #include <vector>
 
 #include "api/handlers/front.h"
+#include "api/service/account_changes.h"
+#include "api/service/account_deletion.h"
 #include "api/service/accounts.h"
+#include "api/service/administration.h"
+#include "api/service/anonymise.h"
 #include "api/service/data_sets.h"
+#include "api/service/exports.h"
 #include "api/service/live_links.h"
+#include "api/service/presets.h"
 #include "api/service/recordings.h"
+#include "api/service/render_time.h"
+#include "api/service/reports.h"
 #include "api/service/sessions.h"
+#include "api/service/sharing.h"
 #include "api/service/thumbnails.h"
 #include "api/service/uploads.h"
 
@@ -15,12 +24,20 @@
 /// the routes.
 namespace diaphane::api {
 
-std::vector<Route> account_routes(Accounts& accounts, const Front& front);
+std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, const Front& front);
+std::vector<Route> account_change_routes(AccountChanges& changes, const Front& front);
+std::vector<Route> admin_routes(Administration& administration);
+std::vector<Route> privacy_routes(Exports& exports, AccountDeletion& deletion, const Front& front);
 std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails);
-/// `max_upload_bytes` is announced as Tus-Max-Size.
-std::vector<Route> upload_routes(Uploads& uploads, std::int64_t max_upload_bytes);
+/// An upload that is created by tus announces a data set, as POST /v1/data-sets does.
+std::vector<Route> upload_routes(Uploads& uploads, DataSets& data_sets);
 std::vector<Route> session_routes(Sessions& sessions);
 std::vector<Route> live_routes(LiveLinks& links);
+std::vector<Route> sharing_routes(Sharing& sharing);
+std::vector<Route> anonymise_routes(Anonymise& anonymise);
+std::vector<Route> visit_routes(Visits& visits);
+std::vector<Route> preset_routes(Presets& presets);
+std::vector<Route> report_routes(Reports& reports);
 std::vector<Route> recording_routes(Recordings& recordings);
 
 }  // namespace diaphane::api

@@ -1,5 +1,6 @@
 #include "api/handlers/problem_document.h"
 #include "api/handlers/representations.h"
+#include "api/handlers/request_fields.h"
 #include "api/handlers/routes.h"
 #include "api/service/tus.h"
 
@@ -30,9 +31,40 @@ Route::Handler speaking_tus(Route::Handler handler) {
   };
 }
 
+/// tus's creation: the same announcement as POST /v1/data-sets, in tus's headers. Of the metadata
+/// only `title` is taken, and `filetype` is looked at; a file's name never is.
+Outcome<Response> create(DataSets& data_sets, const Request& request, const Principal& who) {
+  auto key = idempotency_key(request);
+  if (!key) return tl::unexpected(key.error());
+  const auto plan =
+      tus::plan_creation({request.header("upload-length"), request.header("upload-metadata")});
+  if (!plan) return tl::unexpected(plan.error());
+  if (!request.body.empty()) {
+    // creation-with-upload is not spoken: the answer here says whether the first byte is wanted.
+    return refuse_field("body", "must be empty; the parts follow by PATCH");
+  }
+  const auto& said = plan->metadata;
+  if (const auto type = said.find("filetype");
+      type != said.end() && type->second != "application/x-tar") {
+    return refuse(ProblemKind::kMediaType, "An upload is one tar file of one series.");
+  }
+  const auto title = said.find("title");
+  Fields in("Upload-Metadata", {{"title", title == said.end() ? std::string() : title->second}});
+  DataSets::Announcement announcement{in.text_or("title", "", 80), plan->length, *std::move(key)};
+  if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+  const auto made = data_sets.announce(who, announcement);
+  if (!made) return tl::unexpected(made.error());
+  auto response = empty_response(201).with("Location", "/v1/uploads/" + made->id);
+  return made->upload ? with_standing(std::move(response), *made->upload) : response;
+}
+
 }  // namespace
 
-std::vector<Route> upload_routes(Uploads& uploads, std::int64_t max_upload_bytes) {
+std::vector<Route> upload_routes(Uploads& uploads, DataSets& data_sets) {
+  const std::int64_t max_upload_bytes = data_sets.options().max_upload_bytes;
+  const auto create_one = [&data_sets](const Request& request, const Principal& who) {
+    return create(data_sets, request, who);
+  };
   const auto discover = [max_upload_bytes](const Request&, const Principal&) -> Outcome<Response> {
     return empty_response(204)
         .with("Tus-Version", std::string(tus::kVersion))
@@ -68,6 +100,7 @@ std::vector<Route> upload_routes(Uploads& uploads, std::int64_t max_upload_bytes
   constexpr auto kAccess = Access::kPersonOrOperator;
   return {
       {"OPTIONS", "/v1/uploads", "discoverUploads", Access::kAnyone, discover, {}},
+      {"POST", "/v1/uploads", "createUpload", kAccess, speaking_tus(create_one), {}},
       {"OPTIONS", one, "discoverUploads", Access::kAnyone, discover, {}},
       {"HEAD", one, "getUploadOffset", kAccess, speaking_tus(offset), {}},
       {"PATCH", one, "appendToUpload", kAccess, speaking_tus(append), {}, tus::kMaxPartBytes},

@@ -8,10 +8,18 @@ namespace {
 constexpr const char* kUsedBytes = R"sql(
   SELECT COALESCE(sum(CASE
            WHEN d.state = 'ready' THEN d.volume_bytes
-           WHEN d.state IN ('uploading', 'queued', 'building') THEN u.length
+           WHEN d.state IN ('uploading', 'queued', 'building') THEN COALESCE(u.length, d.volume_bytes)
          END), 0)::bigint
     FROM data_sets d LEFT JOIN uploads u ON u.data_set_id = d.id
    WHERE d.owner_id = $1)sql";
+
+std::optional<Account> read_account(const pqxx::result& found) {
+  if (found.empty()) return std::nullopt;
+  return Account{found[0][0].as<std::string>(), found[0][1].as<std::string>(),
+                 found[0][2].as<std::string>(), found[0][3].as<bool>(), found[0][4].as<bool>()};
+}
+
+}  // namespace
 
 void queue_mail(pqxx::work& transaction, const Mail& mail, Time now) {
   transaction.exec_params0(R"sql(
@@ -19,8 +27,6 @@ void queue_mail(pqxx::work& transaction, const Mail& mail, Time now) {
       VALUES ($1, $2, $3, to_timestamp($4::bigint / 1e6)))sql",
                            mail.recipient, mail.subject, mail.body, to_us(now));
 }
-
-}  // namespace
 
 Quota lock_quota(pqxx::work& transaction, const std::string& user_id) {
   Quota quota;
@@ -78,22 +84,31 @@ Result<bool> AccountRepository::verify(const std::string& token_hash, Time now) 
 
 Result<std::optional<Account>> AccountRepository::find_by_email(const std::string& email_key) {
   return database_.transact([&](pqxx::work& transaction) -> Result<std::optional<Account>> {
-    const pqxx::result found = transaction.exec_params(
-        "SELECT id, email, password_hash, verified_at IS NOT NULL FROM users WHERE email_key = $1",
-        email_key);
-    if (found.empty()) return std::nullopt;
-    return Account{found[0][0].as<std::string>(), found[0][1].as<std::string>(),
-                   found[0][2].as<std::string>(), found[0][3].as<bool>()};
+    return read_account(transaction.exec_params(R"sql(
+        SELECT id, email, password_hash, verified_at IS NOT NULL, disabled_at IS NOT NULL
+          FROM users WHERE email_key = $1)sql",
+                                                email_key));
+  });
+}
+
+Result<std::optional<Account>> AccountRepository::find_by_id(const std::string& user_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::optional<Account>> {
+    return read_account(transaction.exec_params(R"sql(
+        SELECT id, email, password_hash, verified_at IS NOT NULL, disabled_at IS NOT NULL
+          FROM users WHERE id = $1::uuid)sql",
+                                                user_id));
   });
 }
 
 Result<void> AccountRepository::open_session(const WebSession& session) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     transaction.exec_params0(R"sql(
-        INSERT INTO web_sessions (token_hash, user_id, csrf_token, created_at, expires_at)
-        VALUES ($1, $2, $3, to_timestamp($4::bigint / 1e6), to_timestamp($5::bigint / 1e6)))sql",
+        INSERT INTO web_sessions (token_hash, user_id, csrf_token, created_at, used_at, expires_at, id, browser)
+        VALUES ($1, $2, $3, to_timestamp($4::bigint / 1e6), to_timestamp($4::bigint / 1e6),
+                to_timestamp($5::bigint / 1e6), $6::uuid, $7))sql",
                              session.token_hash, session.user_id, session.csrf_token,
-                             to_us(session.created_at), to_us(session.expires_at));
+                             to_us(session.created_at), to_us(session.expires_at), session.id,
+                             session.browser);
     return {};
   });
 }
@@ -104,15 +119,20 @@ Result<std::optional<SignedIn>> AccountRepository::find_session(const std::strin
     const pqxx::result found = transaction.exec_params(R"sql(
         SELECT s.user_id, s.csrf_token, u.email,
                (extract(epoch FROM s.created_at) * 1000000)::bigint,
-               (extract(epoch FROM s.expires_at) * 1000000)::bigint
+               (extract(epoch FROM s.expires_at) * 1000000)::bigint, s.id, s.browser,
+               u.is_administrator, (extract(epoch FROM s.used_at) * 1000000)::bigint
           FROM web_sessions s JOIN users u ON u.id = s.user_id
-         WHERE s.token_hash = $1 AND s.expires_at > to_timestamp($2::bigint / 1e6))sql",
+         WHERE s.token_hash = $1 AND s.expires_at > to_timestamp($2::bigint / 1e6)
+           AND u.verified_at IS NOT NULL AND u.disabled_at IS NULL)sql",
                                                        token_hash, to_us(now));
     if (found.empty()) return std::nullopt;
     const pqxx::row row = found[0];
     return SignedIn{{token_hash, row[0].as<std::string>(), row[1].as<std::string>(),
-                     from_us(row[3].as<std::int64_t>()), from_us(row[4].as<std::int64_t>())},
-                    row[2].as<std::string>()};
+                     from_us(row[3].as<std::int64_t>()), from_us(row[4].as<std::int64_t>()),
+                     row[5].as<std::string>(), row[6].as<std::string>()},
+                    row[2].as<std::string>(),
+                    row[7].as<bool>(),
+                    from_us(row[8].as<std::int64_t>())};
   });
 }
 
@@ -121,6 +141,15 @@ Result<void> AccountRepository::extend_session(const std::string& token_hash, Ti
     transaction.exec_params0(
         "UPDATE web_sessions SET expires_at = to_timestamp($2::bigint / 1e6) WHERE token_hash = $1",
         token_hash, to_us(expires_at));
+    return {};
+  });
+}
+
+Result<void> AccountRepository::touch_session(const std::string& token_hash, Time used_at) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    transaction.exec_params0(
+        "UPDATE web_sessions SET used_at = to_timestamp($2::bigint / 1e6) WHERE token_hash = $1",
+        token_hash, to_us(used_at));
     return {};
   });
 }
@@ -207,6 +236,15 @@ Result<void> AccountRepository::tidy(Time now) {
     transaction.exec_params0(R"sql(
         DELETE FROM idempotency_keys
          WHERE created_at < to_timestamp($1::bigint / 1e6) - interval '2 days')sql",
+                             us);
+    transaction.exec_params0(R"sql(
+        DELETE FROM audit_log
+         WHERE happened_at < to_timestamp($1::bigint / 1e6) - interval '366 days'
+           AND happened_at < now() - interval '365 days')sql",
+                             us);
+    transaction.exec_params0(R"sql(
+        DELETE FROM render_time
+         WHERE month < to_timestamp($1::bigint / 1e6) - interval '366 days')sql",
                              us);
     transaction.exec_params0(R"sql(
         DELETE FROM users

@@ -13,9 +13,11 @@ class AccountRepository final : public AccountStore {
   Result<void> sign_up(const SignUp& sign_up, Time now) override;
   Result<bool> verify(const std::string& token_hash, Time now) override;
   Result<std::optional<Account>> find_by_email(const std::string& email_key) override;
+  Result<std::optional<Account>> find_by_id(const std::string& user_id) override;
   Result<void> open_session(const WebSession& session) override;
   Result<std::optional<SignedIn>> find_session(const std::string& token_hash, Time now) override;
   Result<void> extend_session(const std::string& token_hash, Time expires_at) override;
+  Result<void> touch_session(const std::string& token_hash, Time used_at) override;
   Result<void> close_session(const std::string& token_hash) override;
   Result<Quota> quota_of(const std::string& user_id) override;
   Result<std::optional<std::chrono::seconds>> note_attempt(const std::vector<AttemptLimit>& limits,
@@ -39,6 +41,9 @@ class MailRepository final : public MailStore {
  private:
   Database& database_;
 };
+
+/// Sent soon after the transaction has committed.
+void queue_mail(pqxx::work& transaction, const Mail& mail, Time now);
 
 /// The bytes that an account may have and has: volumes, and uploads under way by their announced
 /// length. Locks the account until the transaction ends, so that two announcements cannot pass the

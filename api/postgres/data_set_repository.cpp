@@ -1,6 +1,10 @@
 #include "api/postgres/data_set_repository.h"
 
+#include <array>
+#include <utility>
+
 #include "api/postgres/account_repository.h"
+#include "api/postgres/data_set_rows.h"
 
 namespace diaphane::api {
 namespace {
@@ -9,56 +13,6 @@ namespace {
 /// together with is_sample, so that an owner who was deleted can never be taken for the operator.
 const char* owner_or_null(const Owner& owner) {
   return owner.user_id.empty() ? nullptr : owner.user_id.c_str();
-}
-
-// $1 is the viewer.
-constexpr const char* kSelect = R"sql(
-  SELECT d.id, d.title, d.state,
-         d.owner_id IS NOT DISTINCT FROM $1::uuid AND ($1::uuid IS NOT NULL OR d.is_sample) AS owned,
-         d.is_public, d.is_sample, COALESCE(d.refusal_code, ''), COALESCE(d.refusal_text, ''),
-         COALESCE(d.modality, ''),
-         COALESCE(d.size_x, 0), COALESCE(d.size_y, 0), COALESCE(d.size_z, 0),
-         COALESCE(d.spacing_x, 0), COALESCE(d.spacing_y, 0), COALESCE(d.spacing_z, 0),
-         COALESCE(d.volume_bytes, 0), d.repairs,
-         (extract(epoch FROM d.created_at) * 1000000)::bigint,
-         (extract(epoch FROM d.updated_at) * 1000000)::bigint,
-         u.length, u.received, (extract(epoch FROM u.expires_at) * 1000000)::bigint
-    FROM data_sets d LEFT JOIN uploads u ON u.data_set_id = d.id
-   WHERE (d.owner_id = $1::uuid OR ($1::uuid IS NULL AND d.is_sample)
-          OR (d.is_public AND d.state = 'ready')))sql";
-
-std::vector<std::string> read_texts(const pqxx::field& field) {
-  std::vector<std::string> texts;
-  auto parser = field.as_array();
-  for (auto next = parser.get_next(); next.first != pqxx::array_parser::done;
-       next = parser.get_next()) {
-    if (next.first == pqxx::array_parser::string_value) texts.push_back(next.second);
-  }
-  return texts;
-}
-
-DataSet read(const pqxx::row& row) {
-  DataSet d;
-  d.id = row[0].as<std::string>();
-  d.title = row[1].as<std::string>();
-  d.state = data_set_state_of(row[2].as<std::string>());
-  d.owned = row[3].as<bool>();
-  d.is_public = row[4].as<bool>();
-  d.is_sample = row[5].as<bool>();
-  d.refusal_code = row[6].as<std::string>();
-  d.refusal_text = row[7].as<std::string>();
-  d.modality = row[8].as<std::string>();
-  d.size = {row[9].as<int>(), row[10].as<int>(), row[11].as<int>()};
-  d.spacing = {row[12].as<double>(), row[13].as<double>(), row[14].as<double>()};
-  d.volume_bytes = row[15].as<std::int64_t>();
-  d.repairs = read_texts(row[16]);
-  d.created_at = from_us(row[17].as<std::int64_t>());
-  d.updated_at = from_us(row[18].as<std::int64_t>());
-  if (d.owned && d.state == DataSetState::kUploading && !row[19].is_null()) {
-    d.upload = Upload{d.id, row[19].as<std::int64_t>(), row[20].as<std::int64_t>(),
-                      from_us(row[21].as<std::int64_t>()), d.state};
-  }
-  return d;
 }
 
 void dispose_of(pqxx::work& transaction, const char* kind, const std::string& id, Time now) {
@@ -98,9 +52,12 @@ Result<std::variant<Created, OverQuota, KeyReused>> DataSetRepository::create(
     }
     transaction.exec_params0(
         R"sql(
-        INSERT INTO data_sets (id, owner_id, title, state, is_public, is_sample, created_at, updated_at)
-        VALUES ($1, $2, $3, 'uploading', $4, $4,
-                to_timestamp($5::bigint / 1e6), to_timestamp($5::bigint / 1e6)))sql",
+        INSERT INTO data_sets (id, owner_id, title, state, is_sample, visibility, published_at,
+                               anonymised_at, created_at, updated_at)
+        SELECT $1, $2, $3, 'uploading', $4::bool,
+               CASE WHEN $4::bool THEN 'public' ELSE 'private' END,
+               CASE WHEN $4::bool THEN t END, CASE WHEN $4::bool THEN t END, t, t
+          FROM to_timestamp($5::bigint / 1e6) AS t)sql",
         data_set.id, owner_or_null(data_set.owner), data_set.title, sample, to_us(now));
     transaction.exec_params0(R"sql(
         INSERT INTO uploads (id, data_set_id, length, expires_at)
@@ -117,27 +74,49 @@ Result<std::variant<Created, OverQuota, KeyReused>> DataSetRepository::create(
   });
 }
 
-Result<std::vector<DataSet>> DataSetRepository::list(const Owner& viewer,
+Result<std::vector<DataSet>> DataSetRepository::list(const Viewer& viewer,
                                                      std::optional<Cursor> after, int limit) {
   return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<DataSet>> {
-    const pqxx::result rows =
-        transaction.exec_params(std::string(kSelect) + R"sql(
-           AND ($4::bool OR (d.created_at, d.id) < (to_timestamp($2::bigint / 1e6), $3::uuid))
-         ORDER BY d.created_at DESC, d.id DESC LIMIT $5)sql",
-                                owner_or_null(viewer), after ? after->created_us : std::int64_t{0},
-                                after ? after->id.c_str() : nullptr, !after.has_value(), limit);
+    if (!viewer.user_id.empty()) accept_invitations(transaction, viewer.user_id);
+    const pqxx::result rows = transaction.exec_params(
+        std::string(kSelectDataSet) + R"sql(
+           AND (r.role <> 'other' OR d.is_sample)
+           AND ($4::bool OR (d.created_at, d.id) < (to_timestamp($5::bigint / 1e6), $6::uuid))
+         ORDER BY d.created_at DESC, d.id DESC LIMIT $7)sql",
+        viewer_or_null(viewer), viewer.sample_operator, viewer.administrator, !after.has_value(),
+        after ? after->created_us : std::int64_t{0}, after ? after->id.c_str() : nullptr, limit);
     std::vector<DataSet> found;
-    for (const pqxx::row& row : rows) found.push_back(read(row));
+    for (const pqxx::row& row : rows) found.push_back(read_data_set(row));
     return found;
   });
 }
 
-Result<DataSet> DataSetRepository::find(const Owner& viewer, const std::string& id) {
+Result<DataSet> DataSetRepository::find(const Viewer& viewer, const std::string& id) {
   return database_.transact([&](pqxx::work& transaction) -> Result<DataSet> {
-    const pqxx::result rows =
-        transaction.exec_params(std::string(kSelect) + " AND d.id = $2", owner_or_null(viewer), id);
+    if (!viewer.user_id.empty()) accept_invitations(transaction, viewer.user_id);
+    const pqxx::result rows = transaction.exec_params(
+        std::string(kSelectDataSet) + " AND d.id = $4", viewer_or_null(viewer),
+        viewer.sample_operator, viewer.administrator, id);
     if (rows.empty()) return not_found();
-    return read(rows[0]);
+    return read_data_set(rows[0]);
+  });
+}
+
+Result<void> DataSetRepository::describe(const std::string& id, const Description& what, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const auto text = [](const std::optional<std::string>& given) {
+      return given ? given->c_str() : nullptr;
+    };
+    const pqxx::result changed = transaction.exec_params(
+        R"sql(
+        UPDATE data_sets
+           SET title = COALESCE($2, title), description = COALESCE($3, description),
+               body_part = CASE WHEN $4::text IS NULL THEN body_part ELSE NULLIF($4, '') END,
+               updated_at = to_timestamp($5::bigint / 1e6)
+         WHERE id = $1 RETURNING id)sql",
+        id, text(what.title), text(what.text), text(what.body_part), to_us(now));
+    if (changed.empty()) return not_found();
+    return {};
   });
 }
 
@@ -235,15 +214,23 @@ Result<int> DataSetRepository::expire_uploads(Time now) {
   });
 }
 
+namespace {
+
+constexpr std::array<std::pair<Disposal::Kind, const char*>, 4> kDisposals{
+    {{Disposal::Kind::kUpload, "upload"},
+     {Disposal::Kind::kVolume, "volume"},
+     {Disposal::Kind::kPictures, "pictures"},
+     {Disposal::Kind::kExport, "export"}}};
+
+}  // namespace
+
 Result<std::vector<Disposal>> DataSetRepository::disposals(int limit) {
   return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<Disposal>> {
-    const pqxx::result rows = transaction.exec_params(
-        "SELECT kind, id FROM disposals ORDER BY created_at LIMIT $1", limit);
     std::vector<Disposal> found;
-    for (const pqxx::row& row : rows) {
-      const bool upload = row[0].as<std::string>() == "upload";
-      found.push_back(
-          {upload ? Disposal::Kind::kUpload : Disposal::Kind::kVolume, row[1].as<std::string>()});
+    for (const auto& [kind, name] : kDisposals) {
+      const pqxx::result rows = transaction.exec_params(
+          "SELECT id FROM disposals WHERE kind = $1 ORDER BY created_at LIMIT $2", name, limit);
+      for (const pqxx::row& row : rows) found.push_back({kind, row[0].as<std::string>()});
     }
     return found;
   });
@@ -251,9 +238,11 @@ Result<std::vector<Disposal>> DataSetRepository::disposals(int limit) {
 
 Result<void> DataSetRepository::disposed(const Disposal& disposal) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
-    const char* kind = disposal.kind == Disposal::Kind::kUpload ? "upload" : "volume";
-    transaction.exec_params0("DELETE FROM disposals WHERE kind = $1 AND id = $2", kind,
-                             disposal.id);
+    for (const auto& [kind, name] : kDisposals) {
+      if (kind != disposal.kind) continue;
+      transaction.exec_params0("DELETE FROM disposals WHERE kind = $1 AND id = $2", name,
+                               disposal.id);
+    }
     return {};
   });
 }

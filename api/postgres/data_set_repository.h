@@ -12,9 +12,10 @@ class DataSetRepository final : public DataSetStore {
 
   Result<std::variant<Created, OverQuota, KeyReused>> create(
       const NewDataSet& data_set, const std::optional<IdempotencyKey>& key, Time now) override;
-  Result<std::vector<DataSet>> list(const Owner& viewer, std::optional<Cursor> after,
+  Result<std::vector<DataSet>> list(const Viewer& viewer, std::optional<Cursor> after,
                                     int limit) override;
-  Result<DataSet> find(const Owner& viewer, const std::string& id) override;
+  Result<DataSet> find(const Viewer& viewer, const std::string& id) override;
+  Result<void> describe(const std::string& id, const Description& what, Time now) override;
   Result<void> remove(const Owner& owner, const std::string& id, Time now) override;
   Result<Upload> find_upload(const Owner& owner, const std::string& id) override;
   Result<void> advance_upload(const std::string& id, std::int64_t from, std::int64_t to,

@@ -1,6 +1,6 @@
 -- Forget sessions and give their slots back at once; the workers hear of it with their next heartbeat.
 --
--- ARGV: "session" or "data_set", id. Returns how many sessions were ended.
+-- ARGV: "session", "data_set" or "user", id. Returns how many sessions were ended.
 
 local function finish(session)
   local session_key = 'diaphane:session:' .. session
@@ -20,8 +20,8 @@ end
 
 if ARGV[1] == 'session' then return finish(ARGV[2]) end
 
-local data_set_key = 'diaphane:data_set:' .. ARGV[2] .. ':sessions'
+local all_key = 'diaphane:' .. ARGV[1] .. ':' .. ARGV[2] .. ':sessions'
 local ended = 0
-for _, session in ipairs(redis.call('ZRANGE', data_set_key, 0, -1)) do ended = ended + finish(session) end
-redis.call('DEL', data_set_key)
+for _, session in ipairs(redis.call('ZRANGE', all_key, 0, -1)) do ended = ended + finish(session) end
+redis.call('DEL', all_key)
 return ended

@@ -1,14 +1,15 @@
--- The sessions of a person, oldest first. ARGV: user. Returns {{session, data set, worker}, ...}.
+-- The sessions of a person, or those that look at a data set, oldest first.
+-- ARGV: "user" or "data_set", id. Returns {{session, user, data set, worker}, ...}.
 -- Writes nothing but the removal of entries whose session has expired.
 
-local user_key = 'diaphane:user:' .. ARGV[1] .. ':sessions'
+local sessions_key = 'diaphane:' .. ARGV[1] .. ':' .. ARGV[2] .. ':sessions'
 local found = {}
-for _, session in ipairs(redis.call('ZRANGE', user_key, 0, -1)) do
-  local s = redis.call('HMGET', 'diaphane:session:' .. session, 'data_set', 'worker')
+for _, session in ipairs(redis.call('ZRANGE', sessions_key, 0, -1)) do
+  local s = redis.call('HMGET', 'diaphane:session:' .. session, 'user', 'data_set', 'worker')
   if s[1] then
-    found[#found + 1] = {session, s[1], s[2] or ''}
+    found[#found + 1] = {session, s[1], s[2], s[3] or ''}
   else
-    redis.call('ZREM', user_key, session)
+    redis.call('ZREM', sessions_key, session)
   end
 end
 return found

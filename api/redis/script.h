@@ -21,5 +21,6 @@ extern const Script kWorkerLost;
 extern const Script kMakeLink;
 extern const Script kEndLinks;
 extern const Script kEndedLinks;
+extern const Script kTakeRenderTime;
 
 }  // namespace diaphane::api::redis

@@ -1,6 +1,7 @@
 #include "api/redis/sessions.h"
 
 #include <charconv>
+#include <cstdlib>
 
 #include "common/ids.h"
 
@@ -88,12 +89,20 @@ Result<SessionInfo> Sessions::find(std::string_view session_id) {
 }
 
 Result<std::vector<SessionInfo>> Sessions::sessions_of(std::string_view user_id) {
+  return list("user", user_id);
+}
+
+Result<std::vector<SessionInfo>> Sessions::sessions_on(std::string_view data_set_id) {
+  return list("data_set", data_set_id);
+}
+
+Result<std::vector<SessionInfo>> Sessions::list(std::string_view of, std::string_view id) {
   std::vector<SessionInfo> sessions;
-  if (!is_id(user_id)) return sessions;
-  const Result<Reply> reply = client_.run(kListSessions, {user_id});
+  if (!is_id(id)) return sessions;
+  const Result<Reply> reply = client_.run(kListSessions, {of, id});
   if (!reply) return tl::unexpected(reply.error());
   for (const Reply& one : reply->list) {
-    sessions.push_back({one.at(0), std::string(user_id), one.at(1), one.at(2)});
+    sessions.push_back({one.at(0), one.at(1), one.at(2), one.at(3)});
   }
   return sessions;
 }
@@ -108,6 +117,13 @@ Result<void> Sessions::end(std::string_view session_id) {
 Result<void> Sessions::end_all_of(std::string_view data_set_id) {
   if (!is_id(data_set_id)) return {};
   const Result<Reply> reply = client_.run(kEndSessions, {"data_set", data_set_id});
+  if (!reply) return tl::unexpected(reply.error());
+  return {};
+}
+
+Result<void> Sessions::end_all_by(std::string_view user_id) {
+  if (!is_id(user_id)) return {};
+  const Result<Reply> reply = client_.run(kEndSessions, {"user", user_id});
   if (!reply) return tl::unexpected(reply.error());
   return {};
 }
@@ -164,9 +180,22 @@ Result<std::vector<WorkerInfo>> Sessions::alive() {
   std::vector<WorkerInfo> workers;
   for (const Reply& one : reply->list) {
     workers.push_back({one.at(0), one.at(1), one.at(2), number<std::uint32_t>(one.at(3)),
-                       number<std::uint32_t>(one.at(4)), one.at(5) == "1", split(one.at(6))});
+                       number<std::uint32_t>(one.at(4)), one.at(5) == "1", split(one.at(6)),
+                       one.at(7), one.at(8), std::strtod(one.at(9).c_str(), nullptr)});
   }
   return workers;
+}
+
+Result<std::vector<std::pair<std::string, std::int64_t>>> Sessions::take_render_time() {
+  const Result<Reply> reply = client_.run(kTakeRenderTime, {});
+  if (!reply) return tl::unexpected(reply.error());
+  std::vector<std::pair<std::string, std::int64_t>> spent;
+  for (std::size_t i = 0; i + 1 < reply->list.size(); i += 2) {
+    const std::string& user = reply->list[i].text;
+    const auto ms = number<std::int64_t>(reply->list[i + 1].text);
+    if (is_id(user) && ms > 0) spent.emplace_back(user, ms);
+  }
+  return spent;
 }
 
 Result<bool> Sessions::lost(std::string_view worker_id, std::string_view incarnation) {

@@ -8,13 +8,14 @@
 
 #include "api/redis/client.h"
 #include "api/service/placement.h"
+#include "api/service/render_time.h"
 #include "api/service/workers.h"
 
 namespace diaphane::api::redis {
 
 /// Sessions, tickets and workers as docs/contracts.md ("Redis") keeps them. It holds no state of
 /// its own: any number of `api` programs may share one Redis. Thread-safe.
-class Sessions final : public Placement, public Tickets, public Workers {
+class Sessions final : public Placement, public Tickets, public Workers, public SpentRenderTime {
  public:
   struct Limits {
     std::uint32_t placed = 8;       ///< sessions of one person that hold a slot
@@ -30,17 +31,23 @@ class Sessions final : public Placement, public Tickets, public Workers {
   Result<Placed> place(const PlaceRequest& request) override;
   Result<SessionInfo> find(std::string_view session_id) override;
   Result<std::vector<SessionInfo>> sessions_of(std::string_view user_id) override;
+  Result<std::vector<SessionInfo>> sessions_on(std::string_view data_set_id) override;
   Result<void> end(std::string_view session_id) override;
   Result<void> end_all_of(std::string_view data_set_id) override;
+  Result<void> end_all_by(std::string_view user_id) override;
   bool reachable() override;
 
   Result<Attachment> consume(std::string_view ticket) override;
   Result<std::vector<std::string>> ended_links(const std::vector<std::string>& links) override;
 
   Result<std::vector<WorkerInfo>> alive() override;
+  Result<std::vector<std::pair<std::string, std::int64_t>>> take_render_time() override;
   Result<bool> lost(std::string_view worker_id, std::string_view incarnation) override;
 
  private:
+  /// `of`: "user" or "data_set".
+  Result<std::vector<SessionInfo>> list(std::string_view of, std::string_view id);
+
   Client& client_;
   Limits limits_;
 };

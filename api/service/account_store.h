@@ -34,6 +34,7 @@ struct Account {
   std::string email;
   std::string password_hash;
   bool verified = false;
+  bool disabled = false;
 };
 
 struct WebSession {
@@ -42,11 +43,15 @@ struct WebSession {
   std::string csrf_token;
   Time created_at;
   Time expires_at;
+  std::string id = {};       ///< by which its person knows it
+  std::string browser = {};  ///< roughly: "Firefox on Windows"
 };
 
 struct SignedIn {
   WebSession session;
   std::string email;
+  bool administrator = false;
+  Time used_at = {};
 };
 
 struct Quota {
@@ -73,10 +78,13 @@ class AccountStore {
   /// False when the token is unknown, used or expired.
   virtual Result<bool> verify(const std::string& token_hash, Time now) = 0;
   virtual Result<std::optional<Account>> find_by_email(const std::string& email_key) = 0;
+  virtual Result<std::optional<Account>> find_by_id(const std::string& user_id) = 0;
 
   virtual Result<void> open_session(const WebSession& session) = 0;
+  /// Nothing also for an account that is disabled or was never verified.
   virtual Result<std::optional<SignedIn>> find_session(const std::string& token_hash, Time now) = 0;
   virtual Result<void> extend_session(const std::string& token_hash, Time expires_at) = 0;
+  virtual Result<void> touch_session(const std::string& token_hash, Time used_at) = 0;
   virtual Result<void> close_session(const std::string& token_hash) = 0;
 
   virtual Result<Quota> quota_of(const std::string& user_id) = 0;

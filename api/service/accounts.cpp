@@ -2,40 +2,16 @@
 
 #include <algorithm>
 
+#include "api/service/account_mails.h"
+#include "api/service/attempts.h"
 #include "api/service/secrets.h"
 #include "common/ids.h"
 
 namespace diaphane::api {
 namespace {
 
-std::string attempt_key(std::string_view what, std::string_view whose) {
-  return blake2b(std::string(what) + ":" + std::string(whose));
-}
-
-tl::unexpected<Problem> too_many(std::chrono::seconds wait) {
-  const auto minutes = std::chrono::ceil<std::chrono::minutes>(wait).count();
-  return refuse(ProblemKind::kTooManyAttempts,
-                "Too many attempts. Try again in " + std::to_string(std::max<long>(minutes, 1)) +
-                    (minutes > 1 ? " minutes." : " minute."),
-                std::max(wait, std::chrono::seconds(1)));
-}
-
-Mail welcome_mail(const std::string& email, const std::string& public_url,
-                  const std::string& token) {
-  return {email, "Confirm your address for Diaphane",
-          "Somebody, most likely you, signed up for Diaphane with this address.\n\n"
-          "Open this link within two days to confirm it:\n\n" +
-              public_url + "/verify#token=" + token +
-              "\n\nIf it was not you, do nothing: without the link the account is of no use.\n"};
-}
-
-Mail already_there_mail(const std::string& email, const std::string& public_url) {
-  return {
-      email, "You have a Diaphane account already",
-      "Somebody, most likely you, tried to sign up for Diaphane with this address, which has an "
-      "account already.\nNothing was changed. You can sign in here:\n\n" +
-          public_url + "/\n\nIf it was not you, do nothing.\n"};
-}
+/// A session is noted as used no more often.
+constexpr auto kUseNoted = std::chrono::minutes(10);
 
 }  // namespace
 
@@ -53,7 +29,7 @@ Outcome<void> Accounts::sign_up(const std::string& email, const std::string& pas
       {{attempt_key("sign-up-address", address), options_.sign_ups_by_address, options_.window}},
       now);
   if (!wait) return refuse(wait.error());
-  if (*wait) return too_many(**wait);
+  if (*wait) return too_many_attempts(**wait);
 
   // Hashed before it is known whether the address is new, so that time does not tell.
   auto hash = hasher_.hash(password);
@@ -72,8 +48,8 @@ Outcome<void> Accounts::sign_up(const std::string& email, const std::string& pas
                        *std::move(hash),
                        blake2b(token),
                        now + options_.link_life,
-                       welcome_mail(email, options_.public_url, token),
-                       already_there_mail(email, options_.public_url)};
+                       mails::welcome(email, options_.public_url + "/verify#token=" + token),
+                       mails::already_there(email, options_.public_url + "/")};
   const auto done = store_.sign_up(sign_up, now);
   if (!done) return refuse(done.error());
   wake_mailer_();
@@ -91,11 +67,10 @@ Outcome<void> Accounts::verify(const std::string& token) {
   return {};
 }
 
-Outcome<Accounts::Opened> Accounts::sign_in(const std::string& email, const std::string& password,
-                                            const std::string& address) {
-  const auto now = clock_.wall();
-  const std::string key = email_key(email);
-  const std::string by_account = attempt_key("account", key);
+Outcome<bool> Accounts::is_right(const std::optional<Account>& account,
+                                 const std::string& email_key, const std::string& password,
+                                 const std::string& address, Time now) {
+  const std::string by_account = attempt_key("account", email_key);
   const std::string by_address = attempt_key("address", address);
   // Noted before the password is looked at, so that attempts side by side cannot pass the limit
   // together.
@@ -104,35 +79,61 @@ Outcome<Accounts::Opened> Accounts::sign_in(const std::string& email, const std:
                            {by_address, options_.failures_by_address, options_.window}},
                           now);
   if (!wait) return refuse(wait.error());
-  if (*wait) return too_many(**wait);
-
-  const auto account = store_.find_by_email(key);
-  if (!account) return refuse(account.error());
-  const auto right = *account ? hasher_.verify(password, (*account)->password_hash)
-                              : hasher_.verify_nothing(password);
+  if (*wait) return too_many_attempts(**wait);
+  const auto right =
+      account ? hasher_.verify(password, account->password_hash) : hasher_.verify_nothing(password);
   if (!right) return refuse(right.error());
-  if (!*right) {
-    return refuse(ProblemKind::kWrongCredentials, "The address or the password is wrong.");
-  }
+  if (!*right) return false;
   // The right password: not an attempt to guess it. The address keeps its other failures, or an
   // attacker would clear them with an account of his own.
   if (auto done = store_.forget_attempts(by_account, std::nullopt); !done) {
     return refuse(done.error());
   }
   if (auto done = store_.forget_attempts(by_address, now); !done) return refuse(done.error());
+  return true;
+}
+
+Outcome<Accounts::Opened> Accounts::sign_in(const std::string& email, const std::string& password,
+                                            const std::string& address,
+                                            const std::string& browser) {
+  const auto now = clock_.wall();
+  const std::string key = email_key(email);
+  const auto account = store_.find_by_email(key);
+  if (!account) return refuse(account.error());
+  const auto right = is_right(*account, key, password, address, now);
+  if (!right) return tl::unexpected(right.error());
+  if (!*right) {
+    return refuse(ProblemKind::kWrongCredentials, "The address or the password is wrong.");
+  }
   if (!(*account)->verified) {
     return refuse(ProblemKind::kUnverified,
                   "Confirm your address first: open the link in the mail. "
                   "If there is none, sign up again.");
   }
+  if ((*account)->disabled) {
+    return refuse(ProblemKind::kDisabled, "An administrator has switched this account off.");
+  }
 
   Opened opened;
   opened.token = random_hex(32);
-  const WebSession session{blake2b(opened.token), (*account)->id, random_hex(32), now,
-                           now + options_.session_life};
+  const WebSession session{blake2b(opened.token),       (*account)->id, random_hex(32), now,
+                           now + options_.session_life, new_id(),       browser};
   if (auto done = store_.open_session(session); !done) return refuse(done.error());
-  opened.principal = {session.user_id, false, (*account)->email, session.csrf_token, false};
+  // As it will be from now on: also whether this is an administrator.
+  auto principal = authenticate(opened.token);
+  if (!principal) return tl::unexpected(principal.error());
+  opened.principal = *std::move(principal);
   return opened;
+}
+
+Outcome<void> Accounts::confirm_password(const Principal& who, const std::string& field,
+                                         const std::string& password, const std::string& address) {
+  const auto account = store_.find_by_id(who.user_id);
+  if (!account) return refuse(account.error());
+  const auto right = is_right(*account, email_key(who.email), password, address, clock_.wall());
+  if (!right) return tl::unexpected(right.error());
+  if (!*right) return refuse_field(field, "This is not your password.");
+  return {};
 }
 
 Outcome<void> Accounts::sign_out(const std::string& token) {
@@ -150,7 +151,12 @@ Outcome<Principal> Accounts::authenticate(const std::string& token) {
   if (!found) return refuse(found.error());
   if (!*found) return refused();
   const WebSession& session = (*found)->session;
-  Principal principal{session.user_id, false, (*found)->email, session.csrf_token, false};
+  Principal principal{session.user_id,    false, (*found)->email,
+                      session.csrf_token, false, (*found)->administrator,
+                      session.id};
+  if (now - (*found)->used_at > kUseNoted) {
+    if (auto done = store_.touch_session(hash, now); !done) return refuse(done.error());
+  }
 
   // Slides only once a tenth of its life has gone: not a write for each request.
   const Time wanted =

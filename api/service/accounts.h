@@ -12,13 +12,15 @@
 
 namespace diaphane::api {
 
-/// Who asks. Exactly one of the two.
+/// Who asks: a person, the sample's operator, or (neither of the two) nobody.
 struct Principal {
-  std::string user_id;  ///< empty for the sample's operator
+  std::string user_id;
   bool sample_operator = false;
   std::string email;
-  std::string csrf_token;  ///< of the web session
-  bool renewed = false;    ///< the session was extended: give the cookie its new age
+  std::string csrf_token;       ///< of the web session
+  bool renewed = false;         ///< the session was extended: give the cookie its new age
+  bool administrator = false;   ///< beside being a person
+  std::string session_id = {};  ///< of the web session, as its person knows it
 };
 
 /// Signing up, in and out. Thread-safe.
@@ -49,9 +51,13 @@ class Accounts {
                         const std::string& address);
   /// kLinkExpired when the token is unknown, used or too old.
   Outcome<void> verify(const std::string& token);
-  /// kWrongCredentials, kUnverified, kTooManyAttempts.
+  /// kWrongCredentials, kUnverified, kDisabled, kTooManyAttempts. `browser` is a rough name.
   Outcome<Opened> sign_in(const std::string& email, const std::string& password,
-                          const std::string& address);
+                          const std::string& address, const std::string& browser = "");
+  /// The password once more, before what cannot be undone; a wrong one is a fault of `field`, and
+  /// counts as a wrong sign-in does.
+  Outcome<void> confirm_password(const Principal& who, const std::string& field,
+                                 const std::string& password, const std::string& address);
   Outcome<void> sign_out(const std::string& token);
   /// kUnauthenticated for a cookie that is forged, unknown or expired. Slides the expiry.
   Outcome<Principal> authenticate(const std::string& token);
@@ -62,6 +68,11 @@ class Accounts {
   void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
 
  private:
+  /// Whether the password is right; nothing that a caller says may depend on whether `account` is
+  /// there.
+  Outcome<bool> is_right(const std::optional<Account>& account, const std::string& email_key,
+                         const std::string& password, const std::string& address, Time now);
+
   AccountStore& store_;
   PasswordHasher& hasher_;
   const Clock& clock_;

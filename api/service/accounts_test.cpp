@@ -123,12 +123,28 @@ TEST_F(AccountsTest, ADatabaseThatIsAwayIsNoWrongPassword) {
 
 TEST(Password, IsRefusedForItsLengthInCharactersOrForBeingTheAddress) {
   EXPECT_TRUE(fault_of_password("123456789", kEmail));
-  EXPECT_FALSE(fault_of_password("1234567890", kEmail));
-  EXPECT_TRUE(fault_of_password("ééééééééé", kEmail));  // 18 bytes, 9 characters
-  EXPECT_FALSE(fault_of_password("éééééééééé", kEmail));
-  EXPECT_FALSE(fault_of_password(std::string(200, 'x'), kEmail));
-  EXPECT_TRUE(fault_of_password(std::string(201, 'x'), kEmail));
+  EXPECT_FALSE(fault_of_password("kq7 zr4 vm", kEmail));
+  EXPECT_TRUE(fault_of_password("éàüöèçñâê", kEmail));  // 18 bytes, 9 characters
+  EXPECT_FALSE(fault_of_password("éàüöèçñâêî", kEmail));
+  std::string long_one;
+  while (long_one.size() < 200) long_one += std::to_string(long_one.size()) + "-";
+  EXPECT_FALSE(fault_of_password(long_one.substr(0, 200), kEmail));
+  EXPECT_TRUE(fault_of_password(long_one.substr(0, 200) + "x", kEmail));
   EXPECT_TRUE(fault_of_password("pErson@example.ORG", kEmail));
+}
+
+TEST(Password, IsRefusedForBeingGuessedFirst) {
+  for (const char* guessed :
+       {"1234567890", "QwertyUiop", "password123", "Football2023", "!!dragon!!!", "iloveyou-12",
+        "aaaaaaaaaaaa", "abcabcabcabc", "passwordpassword", "abcdefghijkl", "9876543210",
+        "Diaphane2026", "tellerman99"}) {
+    EXPECT_TRUE(fault_of_password(guessed, "tellerman@example.org")) << guessed;
+  }
+  for (const char* well :
+       {"correct horse battery", "dragon and football", "Tr0ub4dor&3x", "tellerman likes tea",
+        "1234567890 is no pin", "football 1954 in bern"}) {
+    EXPECT_FALSE(fault_of_password(well, "tellerman@example.org")) << well;
+  }
 }
 
 TEST(Password, TheHashIsSaltedAndVerifiesOnlyItself) {

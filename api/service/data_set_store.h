@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
+#include "api/service/access.h"
 #include "api/service/account_store.h"
 #include "api/service/cursor.h"
 #include "common/result.h"
@@ -16,6 +18,13 @@ namespace diaphane::api {
 /// Whose data set: a person's, or (empty) the sample's, which belongs to nobody.
 struct Owner {
   std::string user_id;
+};
+
+/// Who asks, as far as a list or a look-up needs to know. Nobody: neither user nor operator.
+struct Viewer {
+  std::string user_id;
+  bool sample_operator = false;
+  bool administrator = false;
 };
 
 /// The states of migrations/0002. Text on the wire, and in the database, is the same.
@@ -36,9 +45,16 @@ struct DataSet {
   std::string id;
   std::string title;
   DataSetState state = DataSetState::kUploading;
-  bool owned = false;  ///< by the one who asked
-  bool is_public = false;
+  std::string description;
+  std::string body_part;      ///< one of kBodyParts, or empty: not said
+  Role role = Role::kNobody;  ///< of the one who asked
+  bool is_public = false;     ///< samples too
   bool is_sample = false;
+  bool taken_down = false;  ///< by an administrator
+  std::string taken_down_reason;
+  std::string owner_name;     ///< chosen by the owner, or empty
+  int people = 0, links = 0;  ///< it is shared with; told to the owner
+  std::optional<Time> published_at, anonymised_at;
   std::string refusal_code, refusal_text;  ///< state kRefused
   // State kReady:
   std::string modality;
@@ -49,6 +65,22 @@ struct DataSet {
   std::optional<Upload> upload;  ///< state kUploading, and owned
   Time created_at;               ///< exact to the microsecond
   Time updated_at;
+
+  bool owned() const { return role == Role::kOwner; }
+  Exposure exposure() const {
+    if (taken_down) return Exposure::kTakenDown;
+    if (is_sample) return Exposure::kSample;
+    return is_public ? Exposure::kPublic : Exposure::kPrivate;
+  }
+};
+
+inline constexpr std::array<std::string_view, 10> kBodyParts{
+    "head", "neck", "chest", "abdomen", "pelvis", "spine", "arm", "leg", "whole", "other"};
+inline constexpr std::array<std::string_view, 4> kModalities{"CT", "MR", "PT", "OTHER"};
+
+/// What an owner says of a data set; absent: stays.
+struct Description {
+  std::optional<std::string> title, text, body_part;  ///< `body_part` empty: none
 };
 
 struct NewDataSet {
@@ -76,7 +108,8 @@ struct KeyReused {};  ///< the key came before with another request
 
 /// What is to be removed from disk.
 struct Disposal {
-  enum class Kind { kUpload, kVolume } kind = Kind::kUpload;
+  /// kPictures: what was made of a volume that has been replaced.
+  enum class Kind { kUpload, kVolume, kPictures, kExport } kind = Kind::kUpload;
   std::string id;
 };
 
@@ -88,11 +121,14 @@ class DataSetStore {
 
   virtual Result<std::variant<Created, OverQuota, KeyReused>> create(
       const NewDataSet& data_set, const std::optional<IdempotencyKey>& key, Time now) = 0;
-  /// Own ones in any state, and public ones that are ready; newest first, after `after`.
-  virtual Result<std::vector<DataSet>> list(const Owner& viewer, std::optional<Cursor> after,
+  /// Own ones in any state; those shared with the viewer and samples, when they are ready. Newest
+  /// first, after `after`. Invitations that waited for the viewer's address become his.
+  virtual Result<std::vector<DataSet>> list(const Viewer& viewer, std::optional<Cursor> after,
                                             int limit) = 0;
-  /// One that `list` could give; else kNotFound.
-  virtual Result<DataSet> find(const Owner& viewer, const std::string& id) = 0;
+  /// Whatever the viewer is something to: one of `list`, a public one that is ready, to an
+  /// administrator also one that was taken down; else kNotFound.
+  virtual Result<DataSet> find(const Viewer& viewer, const std::string& id) = 0;
+  virtual Result<void> describe(const std::string& id, const Description& what, Time now) = 0;
   /// Forgets an own one and notes its files for disposal; kNotFound.
   virtual Result<void> remove(const Owner& owner, const std::string& id, Time now) = 0;
 

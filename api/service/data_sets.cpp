@@ -19,11 +19,12 @@ constexpr std::array<std::pair<DataSetState, std::string_view>, 6> kStates{{
     {DataSetState::kExpired, "expired"},
 }};
 
-/// Kept free beside what is announced, for the volume that is built of it and for the database.
-constexpr std::int64_t kReserveBytes = std::int64_t{1} << 30;
-
 tl::unexpected<Problem> not_found() {
   return refuse(ProblemKind::kNotFound, "There is no such data set.");
+}
+
+Viewer viewer_of(const Principal& who) {
+  return {who.user_id, who.sample_operator, who.administrator};
 }
 
 std::string in_megabytes(std::int64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
@@ -57,8 +58,8 @@ Outcome<DataSet> DataSets::announce(const Principal& who, const Announcement& an
     return refuse(ProblemKind::kUploadTooLarge,
                   "An upload has at most " + in_megabytes(options_.max_upload_bytes) + ".");
   }
-  if (free_bytes_() < announcement.bytes + kReserveBytes) {
-    return refuse(ProblemKind::kUnavailable, "There is no room on the server's disk just now.",
+  if (free_bytes_() - options_.reserve_bytes < announcement.bytes) {
+    return refuse(ProblemKind::kStorageFull, "There is no room on the server's disk just now.",
                   std::chrono::minutes(10));
   }
   const auto now = clock_.wall();
@@ -82,7 +83,7 @@ Outcome<DataSet> DataSets::announce(const Principal& who, const Announcement& an
     return refuse(ProblemKind::kIdempotencyKeyReused,
                   "This Idempotency-Key came before with another request.");
   }
-  auto found = store_.find(owner, std::get<Created>(*made).id);
+  auto found = store_.find(viewer_of(who), std::get<Created>(*made).id);
   if (!found && found.error().code == ErrorCode::kNotFound) {
     return refuse(ProblemKind::kConflict, "What this key made has been deleted since.");
   }
@@ -93,7 +94,7 @@ Outcome<DataSet> DataSets::announce(const Principal& who, const Announcement& an
 Outcome<DataSets::Page> DataSets::list(const Principal& who, std::optional<Cursor> after,
                                        int limit) {
   // One more than asked for says whether there is a next page.
-  auto found = store_.list({who.user_id}, std::move(after), limit + 1);
+  auto found = store_.list(viewer_of(who), std::move(after), limit + 1);
   if (!found) return refuse(found.error());
   Page page{*std::move(found), std::nullopt};
   if (static_cast<int>(page.items.size()) > limit) {
@@ -107,16 +108,25 @@ Outcome<DataSets::Page> DataSets::list(const Principal& who, std::optional<Curso
   return page;
 }
 
-Outcome<DataSet> DataSets::find(const Principal& who, const std::string& id) {
+Outcome<DataSet> DataSets::authorise(const Principal& who, const std::string& id, Action action) {
   if (!is_id(id)) return not_found();
-  auto found = store_.find({who.user_id}, id);
+  auto found = store_.find(viewer_of(who), id);
   if (!found && found.error().code == ErrorCode::kNotFound) return not_found();
   if (!found) return refuse(found.error());
+  const Standing standing{found->role, who.administrator};
+  if (!may(standing, Action::kFind, found->exposure())) return not_found();
+  if (!may(standing, action, found->exposure())) {
+    return refuse(ProblemKind::kForbidden, "You may see this data set, but not do that with it.");
+  }
   return *std::move(found);
 }
 
+Outcome<DataSet> DataSets::find(const Principal& who, const std::string& id) {
+  return authorise(who, id, Action::kFind);
+}
+
 Outcome<DataSet> DataSets::find_ready(const Principal& who, const std::string& id) {
-  auto found = find(who, id);
+  auto found = authorise(who, id, Action::kLook);
   if (found && found->state != DataSetState::kReady) {
     return refuse(ProblemKind::kNotReady, "This data set is not ready: it is " +
                                               std::string(to_string(found->state)) + ".");
@@ -124,8 +134,19 @@ Outcome<DataSet> DataSets::find_ready(const Principal& who, const std::string& i
   return found;
 }
 
+Outcome<DataSet> DataSets::describe(const Principal& who, const std::string& id,
+                                    const Description& what) {
+  if (auto found = authorise(who, id, Action::kDescribe); !found) return found;
+  const auto done = store_.describe(id, what, clock_.wall());
+  if (!done && done.error().code == ErrorCode::kNotFound) return not_found();
+  if (!done) return refuse(done.error());
+  return find(who, id);
+}
+
 Outcome<void> DataSets::remove(const Principal& who, const std::string& id) {
-  if (!is_id(id)) return not_found();
+  if (auto found = authorise(who, id, Action::kDelete); !found) {
+    return tl::unexpected(found.error());
+  }
   const auto done = store_.remove({who.user_id}, id, clock_.wall());
   if (!done && done.error().code == ErrorCode::kNotFound) return not_found();
   if (!done) return refuse(done.error());

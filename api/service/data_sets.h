@@ -19,6 +19,8 @@ class DataSets {
   struct Options {
     std::int64_t max_upload_bytes = std::int64_t{8} << 30;
     std::chrono::seconds upload_life = std::chrono::hours(24);  ///< since the last part
+    /// Kept free beside what is announced, for the volume that is built of it and for the database.
+    std::int64_t reserve_bytes = std::int64_t{1} << 30;
   };
   struct Announcement {
     std::string title;
@@ -34,12 +36,16 @@ class DataSets {
   DataSets(DataSetStore& store, Placement& placement, const Clock& clock, Options options,
            std::function<std::int64_t()> free_bytes);
 
-  /// kOverQuota, kUploadTooLarge, kIdempotencyKeyReused, kUnavailable (disk full).
+  /// kOverQuota, kUploadTooLarge, kIdempotencyKeyReused, kStorageFull.
   Outcome<DataSet> announce(const Principal& who, const Announcement& announcement);
   Outcome<Page> list(const Principal& who, std::optional<Cursor> after, int limit);
+  /// The one gate of every route: the data set, if this person may do that with it. kNotFound when
+  /// he may not even know of it, kForbidden when he may, but not this.
+  Outcome<DataSet> authorise(const Principal& who, const std::string& id, Action action);
   Outcome<DataSet> find(const Principal& who, const std::string& id);
-  /// kNotReady unless it is built.
+  /// To be looked at. kNotReady unless it is built.
   Outcome<DataSet> find_ready(const Principal& who, const std::string& id);
+  Outcome<DataSet> describe(const Principal& who, const std::string& id, const Description& what);
   Outcome<void> remove(const Principal& who, const std::string& id);
 
   const Options& options() const { return options_; }

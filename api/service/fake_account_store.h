@@ -27,7 +27,7 @@ class FakeAccountStore final : public AccountStore {
       mails.push_back(s.already_there);
       return {};
     }
-    account = {s.user_id, s.email, s.password_hash, false};
+    account = {s.user_id, s.email, s.password_hash, false, false};
     std::erase_if(tokens, [&](const auto& token) { return token.second == s.email_key; });
     tokens[s.token_hash] = s.email_key;
     mails.push_back(s.welcome);
@@ -46,6 +46,13 @@ class FakeAccountStore final : public AccountStore {
     const auto found = accounts.find(key);
     return found == accounts.end() ? std::nullopt : std::optional(found->second);
   }
+  Result<std::optional<Account>> find_by_id(const std::string& id) override {
+    if (away) return gone();
+    for (const auto& [key, account] : accounts) {
+      if (account.id == id) return account;
+    }
+    return std::nullopt;
+  }
   Result<void> open_session(const WebSession& session) override {
     if (away) return gone();
     sessions[session.token_hash] = session;
@@ -55,13 +62,14 @@ class FakeAccountStore final : public AccountStore {
     if (away) return gone();
     const auto found = sessions.find(hash);
     if (found == sessions.end() || found->second.expires_at <= now) return std::nullopt;
-    return SignedIn{found->second, "person@example.org"};
+    return SignedIn{found->second, "person@example.org", false, now};
   }
   Result<void> extend_session(const std::string& hash, Time expires_at) override {
     sessions.at(hash).expires_at = expires_at;
     ++extended;
     return {};
   }
+  Result<void> touch_session(const std::string&, Time) override { return {}; }
   Result<void> close_session(const std::string& hash) override {
     sessions.erase(hash);
     return {};

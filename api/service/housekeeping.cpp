@@ -68,7 +68,13 @@ int Disposer::dispose() {
 Result<void> Disposer::remove(const Disposal& disposal) {
   if (!is_id(disposal.id)) return fail(ErrorCode::kInternal, "not an id");
   if (disposal.kind == Disposal::Kind::kUpload) return files_.remove(disposal.id);
+  if (disposal.kind == Disposal::Kind::kPictures) return thumbnails_.remove(disposal.id);
   std::error_code error;
+  if (disposal.kind == Disposal::Kind::kExport) {
+    std::filesystem::remove(export_directory_ + "/" + disposal.id + ".zip", error);
+    if (error) return fail(ErrorCode::kUnavailable, "the export cannot be removed");
+    return {};
+  }
   std::filesystem::remove_all(volume_directory_ + "/" + disposal.id, error);
   if (error) return fail(ErrorCode::kUnavailable, "the volume cannot be removed");
   return thumbnails_.remove(disposal.id);

@@ -44,11 +44,12 @@ class Mailer {
 class Disposer {
  public:
   Disposer(DataSetStore& store, UploadFiles& files, Thumbnails& thumbnails,
-           std::string volume_directory)
+           std::string volume_directory, std::string export_directory)
       : store_(store),
         files_(files),
         thumbnails_(thumbnails),
-        volume_directory_(std::move(volume_directory)) {}
+        volume_directory_(std::move(volume_directory)),
+        export_directory_(std::move(export_directory)) {}
   /// How many are gone now.
   int dispose();
 
@@ -57,7 +58,7 @@ class Disposer {
   DataSetStore& store_;
   UploadFiles& files_;
   Thumbnails& thumbnails_;
-  std::string volume_directory_;
+  std::string volume_directory_, export_directory_;
 };
 
 /// A thread that does one thing now and then, and at once when woken. What it throws is logged.

@@ -16,16 +16,21 @@ tl::unexpected<Problem> no_such_link() {
 
 }  // namespace
 
-Outcome<void> LiveLinks::check_owner(const Principal& who, const std::string& session_id) {
+Outcome<std::string> LiveLinks::check_owner(const Principal& who, const std::string& session_id) {
   if (!is_id(session_id)) return no_such_session();
   const auto session = placement_.find(session_id);
   if (!session && session.error().code != ErrorCode::kNotFound) return refuse(session.error());
   if (!session || session->user_id != who.user_id) return no_such_session();
-  return {};
+  return session->data_set_id;
 }
 
 Outcome<std::string> LiveLinks::make(const Principal& who, const std::string& session_id) {
-  if (auto mine = check_owner(who, session_id); !mine) return tl::unexpected(mine.error());
+  const auto mine = check_owner(who, session_id);
+  if (!mine) return tl::unexpected(mine.error());
+  // With whom a scan is shared does not share it further.
+  if (auto may = data_sets_.authorise(who, *mine, Action::kInvite); !may) {
+    return tl::unexpected(may.error());
+  }
   std::string token = random_hex(32);
   const auto made = links_.make(session_id, who.user_id, blake2b(token));
   if (!made && made.error().code == ErrorCode::kNotFound) return no_such_session();

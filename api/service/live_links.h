@@ -29,7 +29,8 @@ class LiveLinks {
   Outcome<Joined> join(const std::string& token, const std::string& key, const std::string& name);
 
  private:
-  Outcome<void> check_owner(const Principal& who, const std::string& session_id);
+  /// The data set of the session; kNotFound unless it is this person's.
+  Outcome<std::string> check_owner(const Principal& who, const std::string& session_id);
 
   DataSets& data_sets_;
   Placement& placement_;

@@ -6,6 +6,7 @@
 #include <array>
 #include <stdexcept>
 
+#include "api/service/common_passwords.h"
 #include "common/ids.h"
 
 namespace diaphane::api {
@@ -40,7 +41,7 @@ std::optional<std::string> fault_of_password(std::string_view password, std::str
   if (length < 10) return "A password needs at least 10 characters.";
   if (length > 200) return "A password has at most 200 characters.";
   if (email_key(password) == email_key(email)) return "The password must not be the address.";
-  return std::nullopt;
+  return why_easily_guessed(password, email_key(email.substr(0, email.find('@'))));
 }
 
 bool is_email(std::string_view text) {

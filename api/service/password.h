@@ -11,8 +11,9 @@
 
 namespace diaphane::api {
 
-/// What is wrong with a new password, or nothing. 10 to 200 characters, and not the e-mail address;
-/// no rule of composition (NIST SP 800-63B, 5.1.1.2).
+/// What is wrong with a new password, or nothing. 10 to 200 characters, not the e-mail address, and
+/// nothing that is guessed first (common_passwords.h); no rule of composition (NIST SP 800-63B,
+/// 5.1.1.2).
 std::optional<std::string> fault_of_password(std::string_view password, std::string_view email);
 
 /// The address is one that mail can be sent to: visible ASCII, one @, 3 to 254 characters (RFC

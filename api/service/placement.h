@@ -50,10 +50,14 @@ class Placement {
   virtual Result<SessionInfo> find(std::string_view session_id) = 0;
   /// The user's sessions, oldest first.
   virtual Result<std::vector<SessionInfo>> sessions_of(std::string_view user_id) = 0;
+  /// Those that look at the data set, whoever opened them.
+  virtual Result<std::vector<SessionInfo>> sessions_on(std::string_view data_set_id) = 0;
   /// Forgets the session and gives its slot back. Ending what has gone already is no error.
   virtual Result<void> end(std::string_view session_id) = 0;
   /// Ends every session that looks at the data set, whoever opened it: it is being deleted.
   virtual Result<void> end_all_of(std::string_view data_set_id) = 0;
+  /// Ends every session that the user opened.
+  virtual Result<void> end_all_by(std::string_view user_id) = 0;
   /// Within 100 ms: for /readyz.
   virtual bool reachable() = 0;
 };

@@ -15,7 +15,14 @@ tl::unexpected<Problem> no_such_session() {
 Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::string& session_id,
                                           const std::string& data_set_id) {
   const auto placed = placement_.place({session_id, who.user_id, data_set_id});
-  if (placed) return Stream{session_id, "/stream?ticket=" + placed->ticket};
+  if (placed) {
+    // Taken away while it was placed: whoever took it may not have seen this session.
+    if (auto still = data_sets_.find_ready(who, data_set_id); !still) {
+      (void)placement_.end(session_id);
+      return tl::unexpected(still.error());
+    }
+    return Stream{session_id, "/stream?ticket=" + placed->ticket};
+  }
   switch (placed.error().code) {
     case ErrorCode::kNotFound:
       return no_such_session();
@@ -31,6 +38,7 @@ Outcome<Sessions::Stream> Sessions::open(const Principal& who, const std::string
                                          const std::string& idempotency_key) {
   const auto data_set = data_sets_.find_ready(who, data_set_id);
   if (!data_set) return tl::unexpected(data_set.error());
+  if (auto may = render_time_.may_open(who); !may) return tl::unexpected(may.error());
   if (idempotency_key.empty()) return place(who, new_id(), data_set_id);
 
   // The key makes the session's id, and placing the same id again is idempotent.
@@ -73,6 +81,7 @@ Outcome<Sessions::Stream> Sessions::ticket(const Principal& who, const std::stri
     if (data_set.error().kind == ProblemKind::kNotFound) return no_such_session();
     return tl::unexpected(data_set.error());
   }
+  if (auto may = render_time_.may_go_on(who); !may) return tl::unexpected(may.error());
   return place(who, id, session->data_set_id);
 }
 

@@ -6,6 +6,7 @@
 #include "api/service/data_sets.h"
 #include "api/service/placement.h"
 #include "api/service/problem.h"
+#include "api/service/render_time.h"
 
 namespace diaphane::api {
 
@@ -17,11 +18,11 @@ class Sessions {
     std::string stream_url;  ///< path and query on the page's origin; works once, within 30 s
   };
 
-  Sessions(DataSets& data_sets, Placement& placement)
-      : data_sets_(data_sets), placement_(placement) {}
+  Sessions(DataSets& data_sets, Placement& placement, RenderTime& render_time)
+      : data_sets_(data_sets), placement_(placement), render_time_(render_time) {}
 
   /// kNotFound, kNotReady (the data set); kNoWorker; kUnavailable (Redis); kTooMany;
-  /// kIdempotencyKeyReused.
+  /// kRenderTimeSpent; kIdempotencyKeyReused.
   Outcome<Stream> open(const Principal& who, const std::string& data_set_id,
                        const std::string& idempotency_key);
   Outcome<std::vector<SessionInfo>> list(const Principal& who);
@@ -37,6 +38,7 @@ class Sessions {
 
   DataSets& data_sets_;
   Placement& placement_;
+  RenderTime& render_time_;
 };
 
 }  // namespace diaphane::api

@@ -1,6 +1,8 @@
 // Cursors, secrets, mail retries, thumbnails: the small parts of the service.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <filesystem>
 
 #include "api/service/cursor.h"
@@ -153,6 +155,31 @@ TEST(UploadFiles, OneWriterAtATimeAndNoFileComesBack) {
   EXPECT_TRUE(files.remove(id));
   EXPECT_TRUE(files.remove(id));
   EXPECT_GT(files.free_bytes(), 0);
+  std::filesystem::remove_all(directory);
+}
+
+TEST(UploadFiles, WhatAFullDiskTookOfAPartIsGivenBack) {
+  const auto directory = std::filesystem::temp_directory_path() / ("uploads-" + random_hex(8));
+  std::filesystem::create_directories(directory);
+  UploadFiles files(directory);
+  const std::string id = new_id();
+  // A limit on the size of files stands for the full disk: the part is written up to it, then
+  // refused.
+  struct rlimit before {};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto ignored = ::signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit{1000, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+  const auto written = [&] {
+    auto file = files.open(id, true);
+    EXPECT_TRUE(file && file->write(0, std::string(600, 'a')));
+    return file->write(600, std::string(600, 'b'));
+  }();
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  ::signal(SIGXFSZ, ignored);
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().code, ErrorCode::kTooLarge);
+  EXPECT_EQ(std::filesystem::file_size(directory / (id + ".tar")), 600u);
   std::filesystem::remove_all(directory);
 }
 

@@ -62,8 +62,7 @@ Outcome<std::string> Thumbnails::get(const Principal& who, const std::string& da
       return refuse(ProblemKind::kBusy, "The picture is still being made.",
                     std::chrono::seconds(2));
     }
-    std::error_code error;
-    if (fs::exists(directory_ + "/" + path, error)) return path;
+    if (is_current(path, data_set->anonymised_at)) return path;
     if (rendering_.size() >= slots_) {
       return refuse(ProblemKind::kBusy, "Other pictures are being made; come again shortly.",
                     std::chrono::seconds(1));
@@ -87,13 +86,23 @@ Outcome<std::string> Thumbnails::get(const Principal& who, const std::string& da
   done_.notify_all();
   if (!rendered) return tl::unexpected(rendered.error());
 
-  // Deleted while it was rendered: the disposal may have been carried out before the file was
-  // there.
-  if (auto still = data_sets_.find(who, data_set_id); !still) {
-    (void)remove(data_set_id);
-    return tl::unexpected(still.error());
+  // Deleted or cut while it was rendered: the disposal may have been carried out before the file
+  // was there.
+  const auto still = data_sets_.find_ready(who, data_set_id);
+  if (!still || still->anonymised_at != data_set->anonymised_at) (void)remove(data_set_id);
+  if (!still) return tl::unexpected(still.error());
+  if (still->anonymised_at != data_set->anonymised_at) {
+    return refuse(ProblemKind::kBusy, "The scan was changed meanwhile; come again.",
+                  std::chrono::seconds(1));
   }
   return path;
+}
+
+bool Thumbnails::is_current(const std::string& path, const std::optional<Time>& cut_at) const {
+  std::error_code error;
+  const auto written = fs::last_write_time(directory_ + "/" + path, error);
+  if (error) return false;
+  return !cut_at || std::chrono::file_clock::to_sys(written) > *cut_at;
 }
 
 Outcome<void> Thumbnails::render(const std::string& data_set_id, const std::string& preset,

@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -27,6 +28,8 @@ class Thumbnails {
   Result<void> remove(const std::string& data_set_id);
 
  private:
+  /// It is there, and no older than the cut of what it shows.
+  bool is_current(const std::string& path, const std::optional<Time>& cut_at) const;
   Outcome<void> render(const std::string& data_set_id, const std::string& preset,
                        const std::string& path);
 

@@ -15,7 +15,46 @@ std::optional<std::int64_t> parse_offset(std::string_view text) {
   return value;
 }
 
+/// Nothing when it is no base64, or more than `most` bytes.
+std::optional<std::string> decode_base64(std::string_view text, std::size_t most) {
+  std::string bytes(most, '\0');
+  std::size_t got = 0;
+  if (sodium_base642bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(), text.data(),
+                        text.size(), nullptr, &got, nullptr, sodium_base64_VARIANT_ORIGINAL) != 0) {
+    return std::nullopt;
+  }
+  bytes.resize(got);
+  return bytes;
+}
+
+constexpr std::size_t kMostMetadataBytes = 2000;
+
 }  // namespace
+
+Outcome<Creation> plan_creation(const CreationRequest& request) {
+  const auto length = parse_offset(request.length);
+  if (!length || *length == 0) {
+    return refuse_field("Upload-Length", "must be a whole number of bytes, at least 1");
+  }
+  Creation creation{*length, {}};
+  std::string_view rest = request.metadata;
+  while (!rest.empty()) {
+    const std::size_t comma = rest.find(',');
+    std::string_view pair = rest.substr(0, comma);
+    rest = comma == std::string_view::npos ? std::string_view() : rest.substr(comma + 1);
+    while (pair.starts_with(' ')) pair.remove_prefix(1);
+    const std::size_t blank = pair.find(' ');
+    const std::string_view key = pair.substr(0, blank);
+    const std::string_view text =
+        blank == std::string_view::npos ? std::string_view() : pair.substr(blank + 1);
+    auto value = decode_base64(text, kMostMetadataBytes);
+    if (key.empty() || !value ||
+        !creation.metadata.emplace(std::string(key), *std::move(value)).second) {
+      return refuse_field("Upload-Metadata", "must be pairs `key base64` between commas");
+    }
+  }
+  return creation;
+}
 
 Outcome<Checksum> parse_checksum(std::string_view header) {
   const auto refused = [](const char* why) { return refuse_field("Upload-Checksum", why); };
@@ -33,16 +72,9 @@ Outcome<Checksum> parse_checksum(std::string_view header) {
   } else {
     return refused("only sha1 and sha256 are known");
   }
-  const std::string_view text = header.substr(blank + 1);
-  checksum.digest.resize(64);
-  std::size_t got = 0;
-  if (sodium_base642bin(reinterpret_cast<unsigned char*>(checksum.digest.data()),
-                        checksum.digest.size(), text.data(), text.size(), nullptr, &got, nullptr,
-                        sodium_base64_VARIANT_ORIGINAL) != 0 ||
-      got != size) {
-    return refused("is not the base64 of such a digest");
-  }
-  checksum.digest.resize(got);
+  auto digest = decode_base64(header.substr(blank + 1), 64);
+  if (!digest || digest->size() != size) return refused("is not the base64 of such a digest");
+  checksum.digest = *std::move(digest);
   return checksum;
 }
 

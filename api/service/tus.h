@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -8,14 +9,31 @@
 #include "api/service/problem.h"
 #include "api/service/secrets.h"
 
-/// What tus 1.0 (https://tus.io/protocols/resumable-upload, core and checksum) says about one part,
-/// as pure functions: what to do is decided here, done in uploads.cpp.
+/// What tus 1.0 (https://tus.io/protocols/resumable-upload, core, creation, checksum) says about
+/// one request, as pure functions: what to do is decided here, done in uploads.cpp.
 namespace diaphane::api::tus {
 
 inline constexpr std::string_view kVersion = "1.0.0";
-inline constexpr std::string_view kExtensions = "checksum,expiration,termination";
+inline constexpr std::string_view kExtensions = "creation,checksum,expiration,termination";
 inline constexpr std::string_view kChecksums = "sha1,sha256";
 inline constexpr std::int64_t kMaxPartBytes = 8 * 1024 * 1024;
+
+/// A POST as it came; absent headers are empty.
+struct CreationRequest {
+  std::string_view length;    ///< Upload-Length
+  std::string_view metadata;  ///< Upload-Metadata
+};
+
+struct Creation {
+  std::int64_t length = 0;  ///< at least 1
+  /// Decoded; any bytes. What a client says of its file (its name above all) is read here and kept
+  /// nowhere: the caller takes what it knows.
+  std::map<std::string, std::string, std::less<>> metadata;
+};
+
+/// kInvalid: a header is malformed, or the length is left for later (creation-defer-length is not
+/// spoken: size and quota are checked before the first byte).
+Outcome<Creation> plan_creation(const CreationRequest& request);
 
 /// Where an upload stands.
 struct Standing {

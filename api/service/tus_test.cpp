@@ -11,6 +11,25 @@ ProblemKind refusal(const Standing& standing, const PartRequest& request) {
   return part ? ProblemKind::kInternal : part.error().kind;
 }
 
+TEST(Tus, AnUploadIsCreatedWithItsLengthAndWhatIsSaidOfIt) {
+  const auto plan = plan_creation(
+      {.length = "1000", .metadata = "title SGVhZA==,is_confidential, filename YS50YXI="});
+  ASSERT_TRUE(plan);
+  EXPECT_EQ(plan->length, 1000);
+  EXPECT_EQ(plan->metadata.find("title")->second, "Head");
+  EXPECT_EQ(plan->metadata.find("is_confidential")->second, "");
+  EXPECT_EQ(plan->metadata.size(), 3u);
+}
+
+TEST(Tus, NoUploadIsCreatedWithoutALengthOrWithMalformedMetadata) {
+  for (const char* length : {"", "0", "-1", "1e3", "99999999999999999999"}) {
+    EXPECT_FALSE(plan_creation({.length = length, .metadata = {}})) << length;
+  }
+  for (const char* metadata : {",", "title !", "title SGVhZA", "a YQ==,a YQ==", ",a YQ=="}) {
+    EXPECT_FALSE(plan_creation({.length = "1", .metadata = metadata})) << metadata;
+  }
+}
+
 TEST(Tus, APartIsTakenOnlyWhereTheUploadStands) {
   const Standing standing{.length = 100, .received = 40};
   for (int offset = 0; offset <= 110; ++offset) {

@@ -1,20 +1,21 @@
 #include "api/service/uploads.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/statvfs.h>
-#include <unistd.h>
-
-#include <cerrno>
+#include <utility>
 
 #include "common/ids.h"
-#include "common/log.h"
 
 namespace diaphane::api {
 namespace {
 
 tl::unexpected<Problem> no_such_upload() {
   return refuse(ProblemKind::kNotFound, "There is no such upload.");
+}
+
+/// Minutes, not seconds: somebody has to make room.
+tl::unexpected<Problem> storage_full() {
+  return refuse(ProblemKind::kStorageFull,
+                "There is no room on the server's disk just now. What has arrived is kept.",
+                std::chrono::minutes(1));
 }
 
 tl::unexpected<Problem> expired() {
@@ -24,59 +25,13 @@ tl::unexpected<Problem> expired() {
 
 }  // namespace
 
-UploadFiles::Open::~Open() {
-  if (fd_ >= 0) ::close(fd_);  // gives the lock back
-}
-
-Result<void> UploadFiles::Open::write(std::int64_t offset, std::string_view bytes) {
-  const auto broken = [] {
-    return fail(ErrorCode::kUnavailable, "The server's disk took no more; try again later.");
-  };
-  while (!bytes.empty()) {
-    const ssize_t written = ::pwrite(fd_, bytes.data(), bytes.size(), offset);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) {
-      log::error("upload part not written", {{"errno", errno}});
-      return broken();
-    }
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-    offset += written;
-  }
-  // What is noted as received must outlive a loss of power: the browser forgets it.
-  if (::fdatasync(fd_) != 0) return broken();
-  return {};
-}
-
-Result<UploadFiles::Open> UploadFiles::open(const std::string& id, bool create) {
-  const int flags = O_WRONLY | O_CLOEXEC | O_NOFOLLOW | (create ? O_CREAT : 0);
-  const int fd = ::open(path_of(id).c_str(), flags, 0640);
-  if (fd < 0) {
-    log::error("upload file not opened", {{"errno", errno}});
-    return fail(ErrorCode::kUnavailable, "The server's disk is away; try again later.");
-  }
-  Open open(fd);
-  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
-    return fail(ErrorCode::kConflict, "Another part of this upload is being written.");
-  }
-  return open;
-}
-
-Result<void> UploadFiles::remove(const std::string& id) {
-  if (::unlink(path_of(id).c_str()) != 0 && errno != ENOENT) {
-    return fail(ErrorCode::kUnavailable, "the upload file cannot be removed");
-  }
-  return {};
-}
-
-std::int64_t UploadFiles::free_bytes() const {
-  struct statvfs info {};
-  if (::statvfs(directory_.c_str(), &info) != 0) return 0;
-  return static_cast<std::int64_t>(info.f_bavail) * static_cast<std::int64_t>(info.f_frsize);
-}
-
 Uploads::Uploads(DataSetStore& store, UploadFiles& files, const Clock& clock,
-                 std::chrono::seconds upload_life)
-    : store_(store), files_(files), clock_(clock), upload_life_(upload_life) {}
+                 std::chrono::seconds upload_life, std::int64_t reserve_bytes)
+    : store_(store),
+      files_(files),
+      clock_(clock),
+      upload_life_(upload_life),
+      reserve_bytes_(reserve_bytes) {}
 
 Outcome<Upload> Uploads::find(const Principal& who, const std::string& id) {
   if (!is_id(id)) return no_such_upload();
@@ -106,6 +61,7 @@ Outcome<Upload> Uploads::append(const Principal& who, const std::string& id,
                   "The part arrived damaged and was thrown away; send it again.");
   }
   if (bytes.empty()) return upload;
+  if (files_.free_bytes() - reserve_bytes_ < request.bytes) return storage_full();
 
   auto file = files_.open(id, upload->received == 0);
   if (!file && file.error().code == ErrorCode::kConflict) {
@@ -120,7 +76,10 @@ Outcome<Upload> Uploads::append(const Principal& who, const std::string& id,
   }
   part = plan(*upload, request);
   if (!part) return tl::unexpected(part.error());
-  if (auto done = file->write(part->offset, bytes); !done) return refuse(done.error());
+  if (auto done = file->write(part->offset, bytes); !done) {
+    if (done.error().code == ErrorCode::kTooLarge) return storage_full();
+    return refuse(done.error());
+  }
 
   const auto now = clock_.wall();
   upload->expires_at = now + upload_life_;

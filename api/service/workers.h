@@ -17,6 +17,8 @@ struct WorkerInfo {
   std::uint32_t slots = 0, used = 0;
   bool draining = false;             ///< takes no more work
   std::vector<std::string> volumes;  ///< ids of those that it has loaded
+  std::string engine = {}, device = {};
+  double load = 0;  ///< 0 to 1, of the last second
 };
 
 /// What the gateway and the thumbnails need to know of workers. Implemented over Redis (api/redis).

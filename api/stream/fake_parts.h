@@ -98,8 +98,12 @@ class FakePlaces final : public Placement, public Tickets, public Workers {
   Result<std::vector<SessionInfo>> sessions_of(std::string_view) override {
     return fail(ErrorCode::kInternal, "");
   }
+  Result<std::vector<SessionInfo>> sessions_on(std::string_view) override {
+    return fail(ErrorCode::kInternal, "");
+  }
   Result<void> end(std::string_view) override { return {}; }
   Result<void> end_all_of(std::string_view) override { return {}; }
+  Result<void> end_all_by(std::string_view) override { return {}; }
   bool reachable() override { return true; }
 
   std::vector<WorkerInfo> alive_workers{{"worker", "", "one", 4, 0, false, {}}};

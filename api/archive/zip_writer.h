@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "api/service/exports.h"
+
+namespace diaphane::api {
+
+/// A zip file of any size (zip64 where it must), written as it is given: nothing of it is held in
+/// memory. Deflated at the quickest level.
+class ZipWriter final : public ExportFile {
+ public:
+  /// kUnavailable: the file cannot be made.
+  static Result<std::unique_ptr<ExportFile>> create(const std::string& path);
+  ~ZipWriter() override;
+
+  Result<void> add(const std::string& name, std::string_view text) override;
+  Result<void> add_file(const std::string& name, const std::string& path) override;
+  Result<std::int64_t> finish() override;
+
+ private:
+  struct Impl;
+  explicit ZipWriter(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace diaphane::api

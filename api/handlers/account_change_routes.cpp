@@ -1,0 +1,97 @@
+#include "api/handlers/representations.h"
+#include "api/handlers/request_fields.h"
+#include "api/handlers/routes.h"
+
+namespace diaphane::api {
+namespace {
+
+constexpr std::size_t kPasswordBytes = 800;
+
+/// `done` with that status, or its problem.
+Outcome<Response> answer(const Outcome<void>& done, int status) {
+  if (!done) return tl::unexpected(done.error());
+  return empty_response(status);
+}
+
+Outcome<Response> list_browsers(AccountChanges& changes, const Principal& who) {
+  const auto found = changes.browser_sessions(who);
+  if (!found) return tl::unexpected(found.error());
+  nlohmann::ordered_json items = nlohmann::ordered_json::array();
+  for (const BrowserSession& one : *found) {
+    items.push_back({{"id", one.id},
+                     {"browser", one.browser},
+                     {"current", one.id == who.session_id},
+                     {"created_at", rfc3339(one.created_at)},
+                     {"used_at", rfc3339(one.used_at)}});
+  }
+  return json_response(200, {{"items", std::move(items)}});
+}
+
+}  // namespace
+
+std::vector<Route> account_change_routes(AccountChanges& changes, const Front& front) {
+  const auto ask_reset = [&changes](const Request& request, const Principal&) -> Outcome<Response> {
+    Fields in(request);
+    const std::string email = in.text("email", 3, 254);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    return answer(changes.request_reset(email, request.address), 202);
+  };
+  const auto reset = [&changes](const Request& request, const Principal&) -> Outcome<Response> {
+    Fields in(request);
+    const std::string token = in.text("token", 1, 200);
+    const std::string password = in.secret("password", kPasswordBytes);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    return answer(changes.reset(token, password), 204);
+  };
+  const auto change_password = [&changes](const Request& request,
+                                          const Principal& who) -> Outcome<Response> {
+    Fields in(request);
+    const std::string current = in.secret("current", kPasswordBytes);
+    const std::string password = in.secret("password", kPasswordBytes);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    return answer(changes.change_password(who, current, password, request.address), 204);
+  };
+  const auto ask_email = [&changes](const Request& request,
+                                    const Principal& who) -> Outcome<Response> {
+    Fields in(request);
+    const std::string email = in.text("email", 3, 254);
+    const std::string password = in.secret("password", kPasswordBytes);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    return answer(changes.request_email(who, email, password, request.address), 202);
+  };
+  const auto confirm_email = [&changes](const Request& request,
+                                        const Principal&) -> Outcome<Response> {
+    Fields in(request);
+    const std::string token = in.text("token", 1, 200);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    return answer(changes.confirm_email(token), 204);
+  };
+  const auto browsers = [&changes](const Request&, const Principal& who) {
+    return list_browsers(changes, who);
+  };
+  const auto end_one = [&changes](const Request& request,
+                                  const Principal& who) -> Outcome<Response> {
+    return answer(changes.end_browser_session(who, request.parameter("browser_session_id")), 204);
+  };
+  const auto end_all = [&changes, &front](const Request&,
+                                          const Principal& who) -> Outcome<Response> {
+    const auto done = changes.sign_out_everywhere(who);
+    if (!done) return tl::unexpected(done.error());
+    return empty_response(204).with("Set-Cookie", front.cookie(""));
+  };
+  const std::string all = "/v1/me/browser-sessions";
+  constexpr auto kAnyone = Access::kAnyone;
+  constexpr auto kPerson = Access::kPerson;
+  return {
+      {"POST", "/v1/password-reset", "requestPasswordReset", kAnyone, ask_reset, {}},
+      {"POST", "/v1/password-reset/confirm", "resetPassword", kAnyone, reset, {}},
+      {"POST", "/v1/me/password", "changePassword", kPerson, change_password, {}},
+      {"POST", "/v1/me/email", "requestEmailChange", kPerson, ask_email, {}},
+      {"POST", "/v1/email-change/confirm", "confirmEmailChange", kAnyone, confirm_email, {}},
+      {"GET", all, "listBrowserSessions", kPerson, browsers, {}},
+      {"DELETE", all, "signOutEverywhere", kPerson, end_all, {}},
+      {"DELETE", all + "/{browser_session_id}", "endBrowserSession", kPerson, end_one, {}},
+  };
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,67 @@
+#include "api/handlers/representations.h"
+#include "api/handlers/request_fields.h"
+#include "api/handlers/routes.h"
+#include "volume/region.h"
+
+namespace diaphane::api {
+namespace {
+
+/// Said by whoever asks for it: nobody does this by mistake.
+constexpr const char* kConfirmation = "this cannot be undone";
+
+nlohmann::ordered_json to_json(const Anonymise::View& view) {
+  nlohmann::ordered_json json;
+  json["state"] = to_string(view.data_set.state);
+  json["volume_hash"] = nullptr;
+  if (!view.volume_hash.empty()) json["volume_hash"] = view.volume_hash;
+  json["anonymised_at"] = nullptr;
+  if (view.data_set.anonymised_at) json["anonymised_at"] = rfc3339(*view.data_set.anonymised_at);
+  json["problem"] = nullptr;
+  if (!view.facts.problem.empty()) json["problem"] = view.facts.problem;
+  json["head"] = nullptr;
+  if (!view.facts.head.empty()) {
+    json["head"] = nlohmann::ordered_json::parse(view.facts.head, nullptr, false);
+  }
+  return json;
+}
+
+Outcome<Response> cut(Anonymise& anonymise, const Request& request, const Principal& who) {
+  Fields in(request);
+  const nlohmann::json keep = in.any("keep");
+  const std::string hash = in.text("volume_hash", 1, 100);
+  const std::string said = in.text("confirm", 1, 100);
+  std::string region;
+  if (const auto read = volume::region_from_json(keep.dump())) {
+    region = volume::to_json(*read);
+  } else if (keep.is_null()) {
+    in.wrong("keep", "must be a region");
+  } else {
+    in.wrong(read.error().field, read.error().message);
+  }
+  if (said != kConfirmation) {
+    in.wrong("confirm", std::string("must be \"") + kConfirmation + "\"");
+  }
+  if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+  const auto view = anonymise.cut(who, request.parameter("data_set_id"), region, hash);
+  if (!view) return tl::unexpected(view.error());
+  return json_response(202, to_json(*view));
+}
+
+}  // namespace
+
+std::vector<Route> anonymise_routes(Anonymise& anonymise) {
+  const auto look = [&anonymise](const Request& request,
+                                 const Principal& who) -> Outcome<Response> {
+    const auto view = anonymise.look(who, request.parameter("data_set_id"));
+    if (!view) return tl::unexpected(view.error());
+    return json_response(200, to_json(*view));
+  };
+  const auto carry_out = [&anonymise](const Request& request, const Principal& who) {
+    return cut(anonymise, request, who);
+  };
+  const std::string path = "/v1/data-sets/{data_set_id}/anonymise";
+  return {{"GET", path, "getAnonymise", Access::kPerson, look, {}},
+          {"POST", path, "anonymise", Access::kPerson, carry_out, {}}};
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,146 @@
+#include "api/handlers/preset_format.h"
+#include "api/handlers/representations.h"
+#include "api/handlers/request_fields.h"
+#include "api/handlers/routes.h"
+
+namespace diaphane::api {
+namespace {
+
+Response whole(int status, const Preset& preset) {
+  return json_response(status, with_scene(preset)).with("ETag", etag_of(preset));
+}
+
+Response made(const Preset& preset) {
+  return whole(201, preset).with("Location", "/v1/presets/" + preset.id);
+}
+
+Outcome<Response> create(Presets& presets, const Request& request, const Principal& who) {
+  if (auto fits = check_size(request); !fits) return tl::unexpected(fits.error());
+  Fields in(request);
+  Preset preset;
+  preset.name = in.text("name", 1, 60);
+  preset.scene = read_scene(in);
+  read_format_version(in);
+  if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+  const auto saved = presets.add(who, request.parameter("data_set_id"), std::move(preset));
+  if (!saved) return tl::unexpected(saved.error());
+  return made(*saved);
+}
+
+Outcome<Response> change(Presets& presets, const Request& request, const Principal& who) {
+  if (auto fits = check_size(request); !fits) return tl::unexpected(fits.error());
+  Fields in(request);
+  PresetChange what;
+  if (in.has("name")) what.name = in.text("name", 1, 60);
+  if (in.has("scene")) what.scene = read_scene(in);
+  read_format_version(in);
+  if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+  const std::string& id = request.parameter("preset_id");
+  // What one may not even see is not found, whatever else is wrong.
+  if (auto seen = presets.find(who, id); !seen) return tl::unexpected(seen.error());
+  const auto version = version_in_if_match(request);
+  if (!version) return tl::unexpected(version.error());
+  const auto changed = presets.change(who, id, *version, what);
+  if (!changed) return tl::unexpected(changed.error());
+  return whole(200, *changed);
+}
+
+std::vector<Route> routes_of_one(Presets& presets) {
+  const auto get = [&presets](const Request& request, const Principal& who) -> Outcome<Response> {
+    const auto found = presets.find(who, request.parameter("preset_id"));
+    if (!found) return tl::unexpected(found.error());
+    return whole(200, *found);
+  };
+  const auto get_xml = [&presets](const Request& request,
+                                  const Principal& who) -> Outcome<Response> {
+    const auto found = presets.find(who, request.parameter("preset_id"));
+    if (!found) return tl::unexpected(found.error());
+    Response response;
+    response.content_type = "application/xml";
+    response.body = to_xml(*found);
+    return std::move(response)
+        .with("ETag", etag_of(*found))
+        .with("Content-Disposition", "attachment; filename=\"preset.xml\"");
+  };
+  const auto patch = [&presets](const Request& request, const Principal& who) {
+    return change(presets, request, who);
+  };
+  const auto remove = [&presets](const Request& request,
+                                 const Principal& who) -> Outcome<Response> {
+    const std::string& id = request.parameter("preset_id");
+    if (auto seen = presets.find(who, id); !seen) return tl::unexpected(seen.error());
+    const auto version = version_in_if_match(request);
+    if (!version) return tl::unexpected(version.error());
+    const auto done = presets.remove(who, id, *version);
+    if (!done) return tl::unexpected(done.error());
+    return empty_response(204);
+  };
+  const auto vote = [&presets](const Request& request, const Principal& who) -> Outcome<Response> {
+    Fields in(request);
+    const auto value = static_cast<int>(in.integer("value", -1, 1));
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    const auto now = presets.vote(who, request.parameter("preset_id"), value);
+    if (!now) return tl::unexpected(now.error());
+    return json_response(200, {{"votes", now->votes}, {"my_vote", now->my_vote}});
+  };
+  const std::string one = "/v1/presets/{preset_id}";
+  return {
+      {"GET", one, "getPreset", Access::kAnyoneOrPerson, get, {}},
+      {"GET", one + "/xml", "exportPreset", Access::kAnyoneOrPerson, get_xml, {}},
+      {"PATCH", one, "changePreset", Access::kPerson, patch, {}},
+      {"DELETE", one, "deletePreset", Access::kPerson, remove, {}},
+      {"POST", one + "/vote", "voteForPreset", Access::kPerson, vote, {}},
+  };
+}
+
+}  // namespace
+
+std::vector<Route> preset_routes(Presets& presets) {
+  const auto list = [&presets](const Request& request, const Principal& who) -> Outcome<Response> {
+    const auto found = presets.list(who, request.parameter("data_set_id"));
+    if (!found) return tl::unexpected(found.error());
+    nlohmann::ordered_json body;
+    body["items"] = nlohmann::ordered_json::array();
+    for (const Preset& preset : *found) body["items"].push_back(to_json(preset));
+    return json_response(200, body);
+  };
+  const auto add = [&presets](const Request& request, const Principal& who) {
+    return create(presets, request, who);
+  };
+  const auto import = [&presets](const Request& request,
+                                 const Principal& who) -> Outcome<Response> {
+    if (auto fits = check_size(request); !fits) return tl::unexpected(fits.error());
+    auto preset = read_preset_xml(request);
+    if (!preset) return tl::unexpected(preset.error());
+    const auto saved = presets.add(who, request.parameter("data_set_id"), *std::move(preset));
+    if (!saved) return tl::unexpected(saved.error());
+    return made(*saved);
+  };
+  const auto set_default = [&presets](const Request& request,
+                                      const Principal& who) -> Outcome<Response> {
+    Fields in(request);
+    const std::string id = in.is_null("preset_id") ? "" : in.text("preset_id", 1, 64);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    const auto done = presets.set_default(who, request.parameter("data_set_id"), id);
+    if (!done) return tl::unexpected(done.error());
+    return empty_response(204);
+  };
+  const std::string of_data_set = "/v1/data-sets/{data_set_id}";
+  const std::string all = of_data_set + "/presets";
+  std::vector<Route> routes{
+      {"GET", all, "listPresets", Access::kAnyoneOrPerson, list, {}},
+      {"POST", all, "createPreset", Access::kPerson, add, {}},
+      {"POST", all + "/xml", "importPreset", Access::kPerson, import, {}},
+      {"POST",
+       of_data_set + "/default-preset",
+       "setDefaultPreset",
+       Access::kPerson,
+       set_default,
+       {}},
+  };
+  const auto more = routes_of_one(presets);
+  routes.insert(routes.end(), more.begin(), more.end());
+  return routes;
+}
+
+}  // namespace diaphane::api

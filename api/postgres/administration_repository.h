@@ -1,0 +1,42 @@
+#pragma once
+
+#include "api/postgres/database.h"
+#include "api/service/administration.h"
+#include "api/service/render_time.h"
+
+namespace diaphane::api {
+
+/// Accounts as administrators see them, and the audit log (migrations/0004).
+class AdministrationRepository final : public AdministrationStore {
+ public:
+  explicit AdministrationRepository(Database& database) : database_(database) {}
+
+  Result<std::vector<UserRecord>> users(const std::string& part, const std::optional<Cursor>& after,
+                                        int limit, Time now) override;
+  Result<std::optional<UserRecord>> user(const std::string& id, Time now) override;
+  Result<bool> change(const std::string& administrator_id, const std::string& id,
+                      const UserChange& change, Time now) override;
+  Result<bool> set_administrator(const std::string& email_key, bool given, Time now) override;
+  Result<std::vector<std::string>> administrators() override;
+  Result<std::vector<AuditRecord>> audit(const AuditFilter& filter) override;
+  Result<IngestQueue> ingest_queue() override;
+
+ private:
+  Database& database_;
+};
+
+/// Device time by account and month (migrations/0004).
+class RenderTimeRepository final : public RenderTimeStore {
+ public:
+  explicit RenderTimeRepository(Database& database) : database_(database) {}
+
+  Result<std::vector<std::string>> add(
+      const std::vector<std::pair<std::string, std::int64_t>>& spent, Time now,
+      Time ended_if_warned_by) override;
+  Result<RenderAccount> account(const std::string& user_id, Time now) override;
+
+ private:
+  Database& database_;
+};
+
+}  // namespace diaphane::api

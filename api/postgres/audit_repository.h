@@ -1,0 +1,11 @@
+#pragma once
+
+#include "api/postgres/database.h"
+#include "api/service/audit.h"
+
+namespace diaphane::api {
+
+/// Appends to the audit log, in the transaction of what the entry tells of.
+void note_in_audit_log(pqxx::work& transaction, const AuditEntry& entry, Time now);
+
+}  // namespace diaphane::api

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "api/postgres/database.h"
+#include "api/service/presets.h"
+
+namespace diaphane::api {
+
+/// Presets and their votes (migrations/0006).
+class PresetRepository final : public PresetStore {
+ public:
+  explicit PresetRepository(Database& database) : database_(database) {}
+
+  Result<std::vector<Preset>> list(const std::string& data_set_id,
+                                   const std::string& viewer_id) override;
+  Result<Preset> find(const std::string& id, const std::string& viewer_id) override;
+  Result<void> add(const Preset& preset, const Limits& limits) override;
+  Result<void> change(const std::string& id, int version, const PresetChange& what,
+                      Time now) override;
+  Result<void> remove(const std::string& id, int version) override;
+  Result<void> vote(const std::string& id, const std::string& user_id, int value) override;
+  Result<void> set_default(const std::string& data_set_id, const std::string& preset_id) override;
+
+ private:
+  Database& database_;
+};
+
+}  // namespace diaphane::api

@@ -1,0 +1,99 @@
+#include "api/postgres/report_repository.h"
+
+#include "api/postgres/audit_repository.h"
+
+namespace diaphane::api {
+namespace {
+
+tl::unexpected<Error> none(const char* what) { return fail(ErrorCode::kNotFound, what); }
+
+}  // namespace
+
+Result<void> ReportRepository::report(const Report& report, const std::string& reporter_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    transaction.exec_params0(
+        R"sql(
+        INSERT INTO reports (id, data_set_id, reporter_id, reason, words, created_at)
+        SELECT $1, d.id, $3, $4, $5, to_timestamp($6::bigint / 1e6) FROM data_sets d WHERE d.id = $2
+        ON CONFLICT (data_set_id, reporter_id) WHERE closed_at IS NULL
+        DO UPDATE SET reason = excluded.reason, words = excluded.words)sql",
+        report.id, report.data_set_id, reporter_id, report.reason, report.words,
+        to_us(report.created_at));
+    return {};
+  });
+}
+
+Result<std::vector<Report>> ReportRepository::open(int limit) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<Report>> {
+    // What has become private since is none of an administrator's business: not even its title.
+    const pqxx::result rows = transaction.exec_params(
+        R"sql(
+        SELECT r.id, d.id, CASE WHEN d.visibility = 'public' OR d.taken_down_at IS NOT NULL THEN d.title ELSE '' END,
+               r.reason, r.words, d.taken_down_at IS NOT NULL,
+               (extract(epoch FROM r.created_at) * 1000000)::bigint
+          FROM reports r JOIN data_sets d ON d.id = r.data_set_id
+         WHERE r.closed_at IS NULL ORDER BY r.created_at, r.id LIMIT $1)sql",
+        limit);
+    std::vector<Report> found;
+    for (const pqxx::row& row : rows) {
+      found.push_back({row[0].as<std::string>(), row[1].as<std::string>(), row[2].as<std::string>(),
+                       row[3].as<std::string>(), row[4].as<std::string>(), row[5].as<bool>(),
+                       from_us(row[6].as<std::int64_t>())});
+    }
+    return found;
+  });
+}
+
+Result<void> ReportRepository::close(const std::string& report_id, const AuditEntry& entry,
+                                     Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result closed = transaction.exec_params(
+        R"sql(UPDATE reports SET closed_at = to_timestamp($2::bigint / 1e6)
+               WHERE id = $1 AND closed_at IS NULL RETURNING 1)sql",
+        report_id, to_us(now));
+    if (closed.empty()) return none("There is no such report.");
+    note_in_audit_log(transaction, entry, now);
+    return {};
+  });
+}
+
+Result<void> ReportRepository::take_down(const std::string& data_set_id, const std::string& reason,
+                                         const AuditEntry& entry, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result taken = transaction.exec_params(
+        R"sql(
+        UPDATE data_sets SET visibility = 'private', published_at = NULL, taken_down_reason = $2,
+                             taken_down_at = to_timestamp($3::bigint / 1e6),
+                             updated_at = to_timestamp($3::bigint / 1e6)
+         WHERE id = $1 RETURNING 1)sql",
+        data_set_id, reason, to_us(now));
+    if (taken.empty()) return none("There is no such data set.");
+    transaction.exec_params0("DELETE FROM data_set_people WHERE data_set_id = $1", data_set_id);
+    transaction.exec_params0("DELETE FROM data_set_links WHERE data_set_id = $1", data_set_id);
+    transaction.exec_params0(
+        R"sql(UPDATE reports SET closed_at = to_timestamp($2::bigint / 1e6)
+               WHERE data_set_id = $1 AND closed_at IS NULL)sql",
+        data_set_id, to_us(now));
+    note_in_audit_log(transaction, entry, now);
+    return {};
+  });
+}
+
+Result<void> ReportRepository::restore(const std::string& data_set_id, const AuditEntry& entry,
+                                       Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result lifted = transaction.exec_params(
+        R"sql(
+        UPDATE data_sets SET taken_down_at = NULL, taken_down_reason = NULL,
+                             visibility = CASE WHEN is_sample THEN 'public' ELSE 'private' END,
+                             published_at = CASE WHEN is_sample THEN created_at END,
+                             updated_at = to_timestamp($2::bigint / 1e6)
+         WHERE id = $1 AND taken_down_at IS NOT NULL RETURNING 1)sql",
+        data_set_id, to_us(now));
+    if (lifted.empty()) return {};
+    note_in_audit_log(transaction, entry, now);
+    return {};
+  });
+}
+
+}  // namespace diaphane::api

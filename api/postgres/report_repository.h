@@ -1,0 +1,24 @@
+#pragma once
+
+#include "api/postgres/database.h"
+#include "api/service/reports.h"
+
+namespace diaphane::api {
+
+/// Reports and take-downs (migrations/0005).
+class ReportRepository final : public ReportStore {
+ public:
+  explicit ReportRepository(Database& database) : database_(database) {}
+
+  Result<void> report(const Report& report, const std::string& reporter_id) override;
+  Result<std::vector<Report>> open(int limit) override;
+  Result<void> close(const std::string& report_id, const AuditEntry& entry, Time now) override;
+  Result<void> take_down(const std::string& data_set_id, const std::string& reason,
+                         const AuditEntry& entry, Time now) override;
+  Result<void> restore(const std::string& data_set_id, const AuditEntry& entry, Time now) override;
+
+ private:
+  Database& database_;
+};
+
+}  // namespace diaphane::api

@@ -1,0 +1,290 @@
+#include "api/postgres/sharing_repository.h"
+
+#include "api/postgres/account_repository.h"
+#include "api/postgres/data_set_rows.h"
+
+namespace diaphane::api {
+namespace {
+
+tl::unexpected<Error> none(const char* what) { return fail(ErrorCode::kNotFound, what); }
+
+/// Two additions at once are counted one after the other, and a data set that is being deleted gets
+/// none.
+bool lock_data_set(pqxx::work& transaction, const std::string& id) {
+  return !transaction.exec_params("SELECT 1 FROM data_sets WHERE id = $1 FOR UPDATE", id).empty();
+}
+
+}  // namespace
+
+Result<std::vector<SharedPerson>> SharingRepository::people(const std::string& data_set_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<SharedPerson>> {
+    const pqxx::result rows = transaction.exec_params(
+        R"sql(
+        SELECT id, email_key, may_save, (extract(epoch FROM created_at) * 1000000)::bigint
+          FROM data_set_people WHERE data_set_id = $1 ORDER BY created_at, email_key)sql",
+        data_set_id);
+    std::vector<SharedPerson> found;
+    for (const pqxx::row& row : rows) {
+      found.push_back({row[0].as<std::string>(), row[1].as<std::string>(), row[2].as<bool>(),
+                       from_us(row[3].as<std::int64_t>())});
+    }
+    return found;
+  });
+}
+
+Result<bool> SharingRepository::share_with(const std::string& data_set_id,
+                                           const SharedPerson& person, int most, const Mail& mail) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
+    if (!lock_data_set(transaction, data_set_id)) return none("There is no such data set.");
+    const pqxx::result known = transaction.exec_params(
+        R"sql(
+        UPDATE data_set_people SET may_save = $3 WHERE data_set_id = $1 AND email_key = $2
+        RETURNING 1)sql",
+        data_set_id, person.email_key, person.may_save);
+    if (!known.empty()) return false;
+    const auto count = transaction.exec_params1(
+        "SELECT count(*) FROM data_set_people WHERE data_set_id = $1", data_set_id);
+    if (count[0].as<int>() >= most) {
+      return fail(ErrorCode::kTooMany, "It is shared with as many people as it may be.");
+    }
+    transaction.exec_params0(R"sql(
+        INSERT INTO data_set_people (id, data_set_id, email_key, may_save, created_at)
+        VALUES ($1, $2, $3, $4, to_timestamp($5::bigint / 1e6)))sql",
+                             person.id, data_set_id, person.email_key, person.may_save,
+                             to_us(person.created_at));
+    // Whose address it is now, not whose it will be when he comes.
+    const pqxx::result there =
+        transaction.exec_params("SELECT id FROM users WHERE email_key = $1", person.email_key);
+    if (!there.empty()) accept_invitations(transaction, there[0][0].as<std::string>());
+    queue_mail(transaction, mail, person.created_at);
+    return true;
+  });
+}
+
+Result<void> SharingRepository::unshare(const std::string& data_set_id,
+                                        const std::string& person_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result gone = transaction.exec_params(
+        "DELETE FROM data_set_people WHERE data_set_id = $1 AND id = $2 RETURNING 1", data_set_id,
+        person_id);
+    if (gone.empty()) return none("It is not shared with this person.");
+    return {};
+  });
+}
+
+Result<std::vector<DataSetLink>> SharingRepository::links(const std::string& data_set_id,
+                                                          Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<DataSetLink>> {
+    const pqxx::result rows = transaction.exec_params(
+        R"sql(
+        SELECT id, (extract(epoch FROM created_at) * 1000000)::bigint,
+               (extract(epoch FROM expires_at) * 1000000)::bigint
+          FROM data_set_links WHERE data_set_id = $1 AND expires_at > to_timestamp($2::bigint / 1e6)
+         ORDER BY created_at, id)sql",
+        data_set_id, to_us(now));
+    std::vector<DataSetLink> found;
+    for (const pqxx::row& row : rows) {
+      found.push_back({row[0].as<std::string>(), from_us(row[1].as<std::int64_t>()),
+                       from_us(row[2].as<std::int64_t>())});
+    }
+    return found;
+  });
+}
+
+Result<void> SharingRepository::make_link(const std::string& data_set_id, const DataSetLink& link,
+                                          const std::string& token_hash, int most) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    if (!lock_data_set(transaction, data_set_id)) return none("There is no such data set.");
+    const auto count = transaction.exec_params1(
+        R"sql(SELECT count(*) FROM data_set_links
+               WHERE data_set_id = $1 AND expires_at > to_timestamp($2::bigint / 1e6))sql",
+        data_set_id, to_us(link.created_at));
+    if (count[0].as<int>() >= most) {
+      return fail(ErrorCode::kTooMany, "It has as many links as it may have; end one first.");
+    }
+    transaction.exec_params0(
+        R"sql(
+        INSERT INTO data_set_links (id, data_set_id, token_hash, created_at, expires_at)
+        VALUES ($1, $2, $3, to_timestamp($4::bigint / 1e6), to_timestamp($5::bigint / 1e6)))sql",
+        link.id, data_set_id, token_hash, to_us(link.created_at), to_us(link.expires_at));
+    return {};
+  });
+}
+
+Result<void> SharingRepository::end_link(const std::string& data_set_id,
+                                         const std::string& link_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result gone = transaction.exec_params(
+        "DELETE FROM data_set_links WHERE data_set_id = $1 AND id = $2 RETURNING 1", data_set_id,
+        link_id);
+    if (gone.empty()) return none("There is no such link.");
+    return {};
+  });
+}
+
+Result<SharingStore::Followed> SharingRepository::follow(const std::string& token_hash, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<Followed> {
+    const pqxx::result rows = transaction.exec_params(
+        R"sql(
+        SELECT l.id, (extract(epoch FROM l.created_at) * 1000000)::bigint,
+               (extract(epoch FROM l.expires_at) * 1000000)::bigint, d.id, d.owner_id
+          FROM data_set_links l JOIN data_sets d ON d.id = l.data_set_id
+         WHERE l.token_hash = $1 AND l.expires_at > to_timestamp($2::bigint / 1e6)
+           AND d.state = 'ready' AND d.taken_down_at IS NULL)sql",
+        token_hash, to_us(now));
+    if (rows.empty()) return none("There is no such link.");
+    const pqxx::result data_set =
+        transaction.exec_params(std::string(kSelectDataSet) + " AND d.id = $4", rows[0][4].c_str(),
+                                false, false, rows[0][3].as<std::string>());
+    if (data_set.empty()) return none("There is no such link.");
+    Followed followed{{rows[0][0].as<std::string>(), from_us(rows[0][1].as<std::int64_t>()),
+                       from_us(rows[0][2].as<std::int64_t>())},
+                      read_data_set(data_set[0])};
+    followed.data_set.role = Role::kSharedView;
+    return followed;
+  });
+}
+
+Result<bool> SharingRepository::publish(const std::string& data_set_id, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
+    const pqxx::result done = transaction.exec_params(
+        R"sql(
+        UPDATE data_sets
+           SET visibility = 'public', published_at = COALESCE(published_at, to_timestamp($2::bigint / 1e6)),
+               updated_at = to_timestamp($2::bigint / 1e6)
+         WHERE id = $1 AND state = 'ready' AND anonymised_at IS NOT NULL AND taken_down_at IS NULL
+        RETURNING 1)sql",
+        data_set_id, to_us(now));
+    return !done.empty();
+  });
+}
+
+Result<void> SharingRepository::make_private(const std::string& data_set_id, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    transaction.exec_params0(R"sql(
+        UPDATE data_sets SET visibility = 'private', published_at = NULL,
+                             updated_at = to_timestamp($2::bigint / 1e6)
+         WHERE id = $1 AND NOT is_sample AND visibility = 'public')sql",
+                             data_set_id, to_us(now));
+    return {};
+  });
+}
+
+Result<std::vector<DataSet>> SharingRepository::gallery(const Viewer& viewer,
+                                                        const GalleryQuestion& question) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<DataSet>> {
+    const auto& after = question.after;
+    // Each word is the beginning of one. Blanks and punctuation part them, so none is an operator.
+    const pqxx::result rows = transaction.exec_params(
+        std::string(kSelectDataSet) + R"sql(
+           AND d.visibility = 'public' AND d.state = 'ready' AND ($4::bool IS FALSE OR d.is_sample)
+           AND ($5 = '' OR d.words @@
+                (SELECT to_tsquery('simple', string_agg(quote_literal(word) || ':*', ' & '))
+                   FROM regexp_split_to_table($5, '[[:space:][:punct:]]+') AS word WHERE word <> ''))
+           AND ($6 = '' OR d.body_part = $6) AND ($7 = '' OR d.modality = $7)
+           AND ($8::bool OR (d.published_at, d.id) < (to_timestamp($9::bigint / 1e6), $10::uuid))
+         ORDER BY d.published_at DESC, d.id DESC LIMIT $11)sql",
+        viewer_or_null(viewer), viewer.sample_operator, viewer.administrator, question.samples_only,
+        question.words, question.body_part, question.modality, !after.has_value(),
+        after ? after->created_us : std::int64_t{0}, after ? after->id.c_str() : nullptr,
+        question.limit);
+    std::vector<DataSet> found;
+    for (const pqxx::row& row : rows) found.push_back(read_data_set(row));
+    return found;
+  });
+}
+
+Result<std::string> SharingRepository::public_name(const std::string& user_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::string> {
+    const pqxx::result rows =
+        transaction.exec_params("SELECT public_name FROM users WHERE id = $1", user_id);
+    if (rows.empty()) return none("There is no such account.");
+    return rows[0][0].as<std::string>();
+  });
+}
+
+Result<void> SharingRepository::set_public_name(const std::string& user_id,
+                                                const std::string& name) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    transaction.exec_params0("UPDATE users SET public_name = $2 WHERE id = $1", user_id, name);
+    return {};
+  });
+}
+
+Result<Visit> SharingRepository::note_visit(const Visit& visit, int most, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<Visit> {
+    // One count after the other: the bound holds for visitors who come together.
+    transaction.exec("LOCK TABLE visits IN SHARE ROW EXCLUSIVE MODE");
+    const pqxx::result known = transaction.exec_params(
+        R"sql(SELECT (extract(epoch FROM expires_at) * 1000000)::bigint FROM visits
+               WHERE session_id = $1 AND expires_at > to_timestamp($2::bigint / 1e6))sql",
+        visit.session_id, to_us(now));
+    Visit noted = visit;
+    if (!known.empty()) {
+      noted.expires_at = from_us(known[0][0].as<std::int64_t>());
+      return noted;
+    }
+    const auto count = transaction.exec_params1(
+        "SELECT count(*) FROM visits WHERE expires_at > to_timestamp($1::bigint / 1e6)",
+        to_us(now));
+    if (count[0].as<int>() >= most) return fail(ErrorCode::kTooMany, "No place for visitors.");
+    transaction.exec_params0(
+        R"sql(
+        INSERT INTO visits (session_id, data_set_id, link_id, expires_at)
+        SELECT $1, d.id, $3::uuid, to_timestamp($4::bigint / 1e6) FROM data_sets d
+         WHERE d.id = $2 AND ($3::uuid IS NULL OR EXISTS (SELECT 1 FROM data_set_links WHERE id = $3::uuid))
+        ON CONFLICT (session_id) DO UPDATE SET expires_at = excluded.expires_at)sql",
+        visit.session_id, visit.data_set_id,
+        visit.link_id.empty() ? nullptr : visit.link_id.c_str(), to_us(visit.expires_at));
+    return noted;
+  });
+}
+
+Result<Visit> SharingRepository::find_visit(const std::string& session_id, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<Visit> {
+    const pqxx::result rows = transaction.exec_params(
+        R"sql(
+        SELECT v.data_set_id, COALESCE(v.link_id::text, ''),
+               (extract(epoch FROM v.expires_at) * 1000000)::bigint
+          FROM visits v JOIN data_sets d ON d.id = v.data_set_id
+         WHERE v.session_id = $1 AND v.expires_at > to_timestamp($2::bigint / 1e6)
+           AND d.taken_down_at IS NULL)sql",
+        session_id, to_us(now));
+    if (rows.empty()) return none("There is no such visit.");
+    return Visit{session_id, rows[0][0].as<std::string>(), rows[0][1].as<std::string>(),
+                 from_us(rows[0][2].as<std::int64_t>())};
+  });
+}
+
+Result<std::vector<std::string>> SharingRepository::expired_visits(Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<std::string>> {
+    std::vector<std::string> over;
+    for (const pqxx::row& row : transaction.exec_params(
+             "SELECT session_id FROM visits WHERE expires_at <= to_timestamp($1::bigint / 1e6)",
+             to_us(now))) {
+      over.push_back(row[0].as<std::string>());
+    }
+    return over;
+  });
+}
+
+Result<void> SharingRepository::forget_visit(const std::string& session_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    transaction.exec_params0("DELETE FROM visits WHERE session_id = $1", session_id);
+    return {};
+  });
+}
+
+Result<void> SharingRepository::expire_links(Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    // Those with visits later, when their sessions have been ended.
+    transaction.exec_params0(R"sql(
+        DELETE FROM data_set_links l
+         WHERE expires_at <= to_timestamp($1::bigint / 1e6)
+           AND NOT EXISTS (SELECT 1 FROM visits v WHERE v.link_id = l.id))sql",
+                             to_us(now));
+    return {};
+  });
+}
+
+}  // namespace diaphane::api

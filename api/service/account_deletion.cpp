@@ -1,0 +1,28 @@
+#include "api/service/account_deletion.h"
+
+#include "api/service/account_mails.h"
+#include "api/service/attempts.h"
+#include "common/log.h"
+
+namespace diaphane::api {
+
+Outcome<void> AccountDeletion::remove(const Principal& who, const std::string& password,
+                                      const std::string& address) {
+  if (auto right = accounts_.confirm_password(who, "password", password, address); !right) {
+    return right;
+  }
+  const std::string key = email_key(who.email);
+  const auto data_sets = store_.remove_account(
+      who.user_id, who.email,
+      {attempt_key("account", key), attempt_key("mail", key), attempt_key("change", who.user_id)},
+      mails::account_deleted(who.email), clock_.wall());
+  if (!data_sets) return refuse(data_sets.error());
+  // The rows have gone, so nobody opens anything any more; what runs is ended as far as can be.
+  bool ended = placement_.end_all_by(who.user_id).has_value();
+  for (const std::string& id : *data_sets) ended = placement_.end_all_of(id).has_value() && ended;
+  if (!ended) log::warning("pictures of a deleted account not ended");
+  wake_();
+  return {};
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,49 @@
+#include "api/service/anonymise.h"
+
+#include "common/log.h"
+
+namespace diaphane::api {
+namespace {
+
+tl::unexpected<Problem> not_ready(DataSetState state) {
+  return refuse(ProblemKind::kNotReady,
+                "This data set is not ready: it is " + std::string(to_string(state)) + ".");
+}
+
+}  // namespace
+
+Outcome<Anonymise::View> Anonymise::look(const Principal& who, const std::string& id) {
+  auto found = data_sets_.authorise(who, id, Action::kAnonymise);
+  if (!found) return tl::unexpected(found.error());
+  auto facts = store_.facts(id);
+  if (!facts) return refuse(facts.error());
+  View view{*std::move(found), *std::move(facts), {}};
+  if (view.data_set.state == DataSetState::kReady) view.volume_hash = stored_hash_(id);
+  return view;
+}
+
+Outcome<Anonymise::View> Anonymise::cut(const Principal& who, const std::string& id,
+                                        const std::string& region, const std::string& volume_hash) {
+  const auto view = look(who, id);
+  if (!view) return view;
+  if (view->data_set.state != DataSetState::kReady) return not_ready(view->data_set.state);
+  if (view->volume_hash != volume_hash) {
+    return refuse(ProblemKind::kPrecondition,
+                  "The scan is not the one that was looked at; look at it again first.");
+  }
+  const auto ordered = store_.order({id, region, volume_hash, who.user_id}, clock_.wall());
+  if (!ordered && ordered.error().code == ErrorCode::kConflict) {
+    return not_ready(DataSetState::kQueued);
+  }
+  if (!ordered) return refuse(ordered.error());
+  // Nobody can open it now. What shows the old voxels goes: as far as can be here at once; workers
+  // see by themselves that the volume is another, and pictures older than the cut are not given
+  // out.
+  if (const auto ended = placement_.end_all_of(id); !ended) {
+    log::warning("sessions of a data set to be cut not ended", {{"data_set", id}});
+  }
+  (void)thumbnails_.remove(id);
+  return look(who, id);
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,118 @@
+#include "api/service/exports.h"
+
+#include <filesystem>
+
+#include "common/ids.h"
+#include "common/log.h"
+
+namespace diaphane::api {
+namespace {
+
+constexpr std::string_view kReadMe =
+    "Everything that Diaphane holds of you, as of the moment when you asked for it.\n\n"
+    "records/   What the database says, a file for each table; JSON. Passwords, cookies and the\n"
+    "           secrets of links are kept as hashes only and are left out.\n"
+    "audit.json What was done to your account and your scans, and when.\n"
+    "scans/     A folder for each scan, named by its id (records/data_sets.owner_id.json has the\n"
+    "           title that you gave it). volume.json says its size in voxels, the distance of\n"
+    "           voxels in mm, and its orientation. voxels.i16 are the values: 16-bit whole\n"
+    "           numbers, little endian, x fastest, then y, then z; of a CT in Hounsfield units.\n\n"
+    "The files from your disc are not here, because they are not kept.\n";
+
+tl::unexpected<Problem> none() {
+  return refuse(ProblemKind::kNotFound, "There is no export; ask for one.");
+}
+
+}  // namespace
+
+Exports::Exports(ExportStore& store, MakeFile make_file, const Clock& clock,
+                 std::string volume_directory, std::string export_directory)
+    : store_(store),
+      make_file_(std::move(make_file)),
+      clock_(clock),
+      volume_directory_(std::move(volume_directory)),
+      export_directory_(std::move(export_directory)) {}
+
+Outcome<Export> Exports::request(const Principal& who) {
+  const Time now = clock_.wall();
+  const Export wanted{new_id(), Export::State::kQueued, 0, now, now + kLife};
+  const auto made = store_.request(who.user_id, wanted, now - kPause);
+  if (!made) return refuse(made.error());
+  if (!*made) {
+    return refuse(ProblemKind::kTooMany,
+                  "There is a fresh export already. Ask again in ten minutes.", kPause);
+  }
+  wake_();
+  return wanted;
+}
+
+Outcome<Export> Exports::find(const Principal& who) {
+  const auto found = store_.find(who.user_id, clock_.wall());
+  if (!found) return refuse(found.error());
+  if (!*found) return none();
+  return **found;
+}
+
+Outcome<void> Exports::remove(const Principal& who) {
+  const auto done = store_.remove(who.user_id, clock_.wall());
+  if (!done) return refuse(done.error());
+  if (!*done) return none();
+  return {};
+}
+
+Outcome<std::string> Exports::file(const Principal& who) {
+  const auto found = find(who);
+  if (!found) return tl::unexpected(found.error());
+  if (found->state != Export::State::kReady) {
+    return refuse(ProblemKind::kNotReady, "The export is not ready.");
+  }
+  return found->id + ".zip";
+}
+
+Result<std::int64_t> Exports::write(const ExportStore::Job& job, const std::string& path) {
+  auto file = make_file_(path);
+  if (!file) return tl::unexpected(file.error());
+  if (auto done = (*file)->add("README.txt", kReadMe); !done) return tl::unexpected(done.error());
+  const auto sections = store_.sections(job.user_id);
+  if (!sections) return tl::unexpected(sections.error());
+  for (const ExportSection& section : *sections) {
+    if (auto done = (*file)->add(section.name, section.json); !done) {
+      return tl::unexpected(done.error());
+    }
+  }
+  const auto volumes = store_.volumes(job.user_id);
+  if (!volumes) return tl::unexpected(volumes.error());
+  for (const std::string& id : *volumes) {
+    for (const char* name : {"volume.json", "voxels.i16"}) {
+      const auto done =
+          (*file)->add_file("scans/" + id + "/" + name, volume_directory_ + "/" + id + "/" + name);
+      // Deleted since: then it is not held any more.
+      if (!done && done.error().code != ErrorCode::kNotFound) return tl::unexpected(done.error());
+    }
+  }
+  return (*file)->finish();
+}
+
+void Exports::look() {
+  (void)store_.expire(clock_.wall());
+  for (;;) {
+    const auto job = store_.claim(clock_.wall(), kLease);
+    if (!job || !*job) return;
+    const ExportStore::Job& one = **job;
+    std::error_code error;
+    std::filesystem::create_directories(export_directory_, error);
+    const std::string path = export_directory_ + "/" + one.id + ".zip";
+    const std::string unfinished = export_directory_ + "/.tmp-" + one.id;
+    const auto bytes = write(one, unfinished);
+    if (bytes) std::filesystem::rename(unfinished, path, error);
+    const auto wanted = bytes && !error ? store_.finish(one.id, *bytes) : Result<bool>(false);
+    if (!bytes)
+      log::warning("export not made", {{"export", one.id}, {"reason", bytes.error().message}});
+    if (wanted && *wanted) continue;
+    // Not wanted any more, or it failed: nothing is left of it.
+    std::filesystem::remove(unfinished, error);
+    std::filesystem::remove(path, error);
+  }
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/service/accounts.h"
+#include "common/clock.h"
+
+namespace diaphane::api {
+
+/// All that is held of a person as one zip file, made by a job and kept for a day.
+struct Export {
+  enum class State { kQueued, kReady, kFailed };
+  std::string id;
+  State state = State::kQueued;
+  std::int64_t bytes = 0;  ///< when it is ready
+  Time created_at, expires_at;
+};
+
+/// Rows of one table, as a JSON array.
+struct ExportSection {
+  std::string name;
+  std::string json;
+};
+
+/// Every function: kUnavailable when the database is away.
+class ExportStore {
+ public:
+  struct Job {
+    std::string id, user_id;
+  };
+  virtual ~ExportStore() = default;
+  /// In place of the one that there is; nothing when that one is on its way, or was made after
+  /// `not_since`.
+  virtual Result<bool> request(const std::string& user_id, const Export& wanted,
+                               Time not_since) = 0;
+  virtual Result<std::optional<Export>> find(const std::string& user_id, Time now) = 0;
+  /// False: there was none.
+  virtual Result<bool> remove(const std::string& user_id, Time now) = 0;
+  /// The next that is to be made, nobody else's for `lease`; given up after three times.
+  virtual Result<std::optional<Job>> claim(Time now, std::chrono::seconds lease) = 0;
+  /// Whatever the database holds of the person, table by table, but for secrets.
+  virtual Result<std::vector<ExportSection>> sections(const std::string& user_id) = 0;
+  virtual Result<std::vector<std::string>> volumes(const std::string& user_id) = 0;
+  /// False: it is not wanted any more.
+  virtual Result<bool> finish(const std::string& id, std::int64_t bytes) = 0;
+  virtual Result<void> expire(Time now) = 0;
+};
+
+class ExportFile {
+ public:
+  virtual ~ExportFile() = default;
+  virtual Result<void> add(const std::string& name, std::string_view text) = 0;
+  virtual Result<void> add_file(const std::string& name, const std::string& path) = 0;
+  /// Its size.
+  virtual Result<std::int64_t> finish() = 0;
+};
+
+/// Thread-safe.
+class Exports {
+ public:
+  using MakeFile = std::function<Result<std::unique_ptr<ExportFile>>(const std::string& path)>;
+  static constexpr std::chrono::hours kLife{24};
+  static constexpr std::chrono::minutes kPause{10};  ///< between two of one person
+  static constexpr std::chrono::minutes kLease{30};
+
+  Exports(ExportStore& store, MakeFile make_file, const Clock& clock, std::string volume_directory,
+          std::string export_directory);
+
+  /// kTooMany soon after another.
+  Outcome<Export> request(const Principal& who);
+  /// kNotFound: there is none.
+  Outcome<Export> find(const Principal& who);
+  Outcome<void> remove(const Principal& who);
+  /// The file's name in the export directory; kNotReady, kNotFound.
+  Outcome<std::string> file(const Principal& who);
+
+  /// Makes those that are due, and lets old ones go.
+  void look();
+  void on_request(std::function<void()> wake) { wake_ = std::move(wake); }
+
+ private:
+  Result<std::int64_t> write(const ExportStore::Job& job, const std::string& path);
+
+  ExportStore& store_;
+  MakeFile make_file_;
+  const Clock& clock_;
+  std::string volume_directory_, export_directory_;
+  std::function<void()> wake_ = [] {};
+};
+
+}  // namespace diaphane::api

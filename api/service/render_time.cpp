@@ -1,0 +1,73 @@
+#include "api/service/render_time.h"
+
+#include <array>
+#include <ctime>
+
+#include "common/log.h"
+
+namespace diaphane::api {
+namespace {
+
+std::string first_day(Time month) {
+  constexpr std::array kMonths{"January",   "February", "March",    "April",
+                               "May",       "June",     "July",     "August",
+                               "September", "October",  "November", "December"};
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(month);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  return std::string("1 ") + kMonths.at(static_cast<std::size_t>(utc.tm_mon));
+}
+
+std::string in_words(std::int64_t ms) {
+  const std::int64_t minutes = ms / 60'000;
+  if (minutes < 120) return std::to_string(minutes) + (minutes == 1 ? " minute" : " minutes");
+  return std::to_string(minutes / 60) + " hours";
+}
+
+tl::unexpected<Problem> all_spent(const RenderAccount& account) {
+  return refuse(ProblemKind::kRenderTimeSpent,
+                "Your picture time of this month (" + in_words(account.quota_ms) +
+                    ") is used up. It starts anew on " + first_day(account.next_month) + ".");
+}
+
+}  // namespace
+
+Outcome<RenderAccount> RenderTime::account(const std::string& user_id) {
+  auto found = store_.account(user_id, clock_.wall());
+  if (!found) return refuse(found.error());
+  return *std::move(found);
+}
+
+Outcome<void> RenderTime::may_open(const Principal& who) {
+  if (who.user_id.empty()) return {};
+  const auto mine = account(who.user_id);
+  if (!mine) return tl::unexpected(mine.error());
+  if (mine->spent()) return all_spent(*mine);
+  return {};
+}
+
+Outcome<void> RenderTime::may_go_on(const Principal& who) {
+  if (who.user_id.empty()) return {};
+  const auto mine = account(who.user_id);
+  if (!mine) return tl::unexpected(mine.error());
+  const bool over = mine->spent() && mine->warned_at && *mine->warned_at + kGrace <= clock_.wall();
+  if (over) return all_spent(*mine);
+  return {};
+}
+
+void RenderTime::look() {
+  const auto spent = spent_.take_render_time();
+  if (!spent || spent->empty()) return;
+  const Time now = clock_.wall();
+  const auto over = store_.add(*spent, now, now - kGrace);
+  if (!over) {
+    // Taken and not written down: in the person's favour.
+    log::warning("render time not noted", {{"accounts", static_cast<int>(spent->size())}});
+    return;
+  }
+  for (const std::string& user : *over) {
+    if (!placement_.end_all_by(user)) log::warning("pictures over the quota not ended");
+  }
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,87 @@
+#include "api/service/reports.h"
+
+#include <utility>
+
+#include "api/service/secrets.h"
+#include "common/ids.h"
+
+namespace diaphane::api {
+namespace {
+
+AuditEntry entry_of(const Principal& who, std::string action, std::string subject,
+                    std::string subject_id) {
+  AuditEntry entry;
+  entry.actor = AuditActor::kAdministrator;
+  entry.actor_id = who.user_id;
+  entry.action = std::move(action);
+  entry.subject = std::move(subject);
+  entry.subject_id = std::move(subject_id);
+  return entry;
+}
+
+}  // namespace
+
+Reports::Reports(DataSets& data_sets, ReportStore& store, AccountStore& accounts,
+                 const Clock& clock, std::function<void(const std::string&)> end_lost_sessions)
+    : data_sets_(data_sets),
+      store_(store),
+      accounts_(accounts),
+      clock_(clock),
+      end_lost_sessions_(std::move(end_lost_sessions)) {}
+
+Outcome<void> Reports::report(const Principal& who, const std::string& data_set_id,
+                              const std::string& reason, const std::string& words) {
+  const auto seen = data_sets_.authorise(who, data_set_id, Action::kReport);
+  if (!seen) return tl::unexpected(seen.error());
+  const auto now = clock_.wall();
+  const auto wait =
+      accounts_.note_attempt({{blake2b("report:" + who.user_id), 20, std::chrono::hours(24)}}, now);
+  if (!wait) return refuse(wait.error());
+  if (*wait) {
+    return refuse(ProblemKind::kTooManyAttempts,
+                  "You have reported many scans today. Go on tomorrow.", **wait);
+  }
+  const auto done =
+      store_.report({new_id(), data_set_id, {}, reason, words, false, now}, who.user_id);
+  if (!done) return refuse(done.error());
+  return {};
+}
+
+Outcome<std::vector<Report>> Reports::open(const Principal&) {
+  auto found = store_.open(200);
+  if (!found) return refuse(found.error());
+  return *std::move(found);
+}
+
+Outcome<void> Reports::close(const Principal& who, const std::string& report_id) {
+  const auto none = [] { return refuse(ProblemKind::kNotFound, "There is no such report."); };
+  if (!is_id(report_id)) return none();
+  const auto done = store_.close(report_id, entry_of(who, "report.dismissed", "report", report_id),
+                                 clock_.wall());
+  if (!done && done.error().code == ErrorCode::kNotFound) return none();
+  if (!done) return refuse(done.error());
+  return {};
+}
+
+Outcome<void> Reports::take_down(const Principal& who, const std::string& data_set_id,
+                                 const std::string& reason) {
+  const auto seen = data_sets_.authorise(who, data_set_id, Action::kTakeDown);
+  if (!seen) return tl::unexpected(seen.error());
+  const auto done = store_.take_down(data_set_id, reason,
+                                     entry_of(who, "data-set.taken-down", "data_set", data_set_id),
+                                     clock_.wall());
+  if (!done) return refuse(done.error());
+  end_lost_sessions_(data_set_id);
+  return {};
+}
+
+Outcome<void> Reports::restore(const Principal& who, const std::string& data_set_id) {
+  const auto seen = data_sets_.authorise(who, data_set_id, Action::kTakeDown);
+  if (!seen) return tl::unexpected(seen.error());
+  const auto done = store_.restore(
+      data_set_id, entry_of(who, "data-set.restored", "data_set", data_set_id), clock_.wall());
+  if (!done) return refuse(done.error());
+  return {};
+}
+
+}  // namespace diaphane::api

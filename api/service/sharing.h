@@ -1,0 +1,110 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/service/account_store.h"
+#include "api/service/data_sets.h"
+#include "api/service/placement.h"
+#include "api/service/sharing_store.h"
+#include "common/clock.h"
+
+namespace diaphane::api {
+
+/// Sharing a data set with people, by links, with everybody; taking it back ends the sessions of
+/// who lost it. Thread-safe.
+class Sharing {
+ public:
+  struct Options {
+    std::string public_url;  ///< origin, for links in mails
+    int people = 50;         ///< of a data set, at most
+    int links = 10;
+    int invitations = 40;  ///< of an account in a day: each sends a mail
+  };
+  struct NewLink {
+    DataSetLink link;
+    std::string token;  ///< shown this once
+  };
+  struct Page {
+    std::vector<DataSet> items;
+    std::optional<Cursor> next;
+  };
+
+  Sharing(DataSets& data_sets, SharingStore& store, AccountStore& accounts, Placement& placement,
+          const Clock& clock, Options options);
+
+  Outcome<std::vector<SharedPerson>> people(const Principal& who, const std::string& id);
+  /// kInvalid for what is no address; the same answer whoever has an account. kTooMany.
+  Outcome<void> share_with(const Principal& who, const std::string& id, const std::string& email,
+                           bool may_save);
+  Outcome<void> unshare(const Principal& who, const std::string& id, const std::string& person_id);
+
+  Outcome<std::vector<DataSetLink>> links(const Principal& who, const std::string& id);
+  Outcome<NewLink> make_link(const Principal& who, const std::string& id, std::chrono::hours life);
+  Outcome<void> end_link(const Principal& who, const std::string& id, const std::string& link_id);
+
+  /// kConflict ("anonymise first") without the owner's confirmed act; kNotReady.
+  Outcome<DataSet> publish(const Principal& who, const std::string& id);
+  Outcome<DataSet> make_private(const Principal& who, const std::string& id);
+  /// Of what everybody sees, newest first; to nobody samples alone.
+  Outcome<Page> gallery(const Principal& who, GalleryQuestion question);
+
+  Outcome<std::string> public_name(const Principal& who);
+  Outcome<void> set_public_name(const Principal& who, const std::string& name);
+
+  /// Ends the sessions of everybody who may no longer look at the data set. What cannot be ended
+  /// now is logged; nobody gets a new ticket for it.
+  void end_lost_sessions(const std::string& id);
+  /// Called after a mail was queued.
+  void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
+
+ private:
+  DataSets& data_sets_;
+  SharingStore& store_;
+  AccountStore& accounts_;
+  Placement& placement_;
+  const Clock& clock_;
+  Options options_;
+  std::function<void()> wake_mailer_ = [] {};
+};
+
+/// Looking without an account: at a sample, or by a link. Bounded in number and time. Thread-safe.
+class Visits {
+ public:
+  struct Options {
+    int most = 16;        ///< at once, of all people without an account
+    int by_address = 30;  ///< new ones in 15 minutes
+    std::chrono::seconds sample_life = std::chrono::minutes(20);
+    std::chrono::seconds link_life = std::chrono::hours(2);
+  };
+  struct Opened {
+    std::string session_id;
+    std::string stream_url;  ///< as of Sessions::Stream
+    Time expires_at;
+  };
+
+  Visits(DataSets& data_sets, SharingStore& store, AccountStore& accounts, Placement& placement,
+         const Clock& clock, Options options);
+
+  /// What a link leads to. kNotFound: it was ended, has expired or never was.
+  Outcome<SharingStore::Followed> follow(const std::string& token);
+  /// `token` empty: the sample `data_set_id`. `key`: 64 hexadecimal digits of the visitor's own;
+  /// the same key is the same session again, with a new ticket. kNotFound, kTooManyAttempts, kBusy,
+  /// kNoWorker.
+  Outcome<Opened> open(const std::string& token, const std::string& data_set_id,
+                       const std::string& key, const std::string& address);
+  /// Ends what has expired.
+  void expire();
+
+ private:
+  DataSets& data_sets_;
+  SharingStore& store_;
+  AccountStore& accounts_;
+  Placement& placement_;
+  const Clock& clock_;
+  Options options_;
+};
+
+}  // namespace diaphane::api

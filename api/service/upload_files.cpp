@@ -1,0 +1,72 @@
+#include "api/service/upload_files.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "common/log.h"
+
+namespace diaphane::api {
+namespace {
+
+/// What was begun after `start` goes, so that a full disk gets its room back; then why it failed.
+tl::unexpected<Error> given_back(int fd, std::int64_t start, int error) {
+  log::error("upload part not written", {{"errno", error}});
+  if (::ftruncate(fd, start) != 0) log::error("upload file not cut", {{"errno", errno}});
+  const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
+  return fail(full ? ErrorCode::kTooLarge : ErrorCode::kUnavailable,
+              "The server's disk took no more; try again later.");
+}
+
+}  // namespace
+
+UploadFiles::Open::~Open() {
+  if (fd_ >= 0) ::close(fd_);  // gives the lock back
+}
+
+Result<void> UploadFiles::Open::write(std::int64_t offset, std::string_view bytes) {
+  const std::int64_t start = offset;
+  while (!bytes.empty()) {
+    const ssize_t written = ::pwrite(fd_, bytes.data(), bytes.size(), offset);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return given_back(fd_, start, written < 0 ? errno : ENOSPC);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+    offset += written;
+  }
+  // What is noted as received must outlive a loss of power: the browser forgets it.
+  // Also here the disk may say that it is full: some file systems find their blocks only now.
+  if (::fdatasync(fd_) != 0) return given_back(fd_, start, errno);
+  return {};
+}
+
+Result<UploadFiles::Open> UploadFiles::open(const std::string& id, bool create) {
+  const int flags = O_WRONLY | O_CLOEXEC | O_NOFOLLOW | (create ? O_CREAT : 0);
+  const int fd = ::open(path_of(id).c_str(), flags, 0640);
+  if (fd < 0) {
+    log::error("upload file not opened", {{"errno", errno}});
+    return fail(ErrorCode::kUnavailable, "The server's disk is away; try again later.");
+  }
+  Open open(fd);
+  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+    return fail(ErrorCode::kConflict, "Another part of this upload is being written.");
+  }
+  return open;
+}
+
+Result<void> UploadFiles::remove(const std::string& id) {
+  if (::unlink(path_of(id).c_str()) != 0 && errno != ENOENT) {
+    return fail(ErrorCode::kUnavailable, "the upload file cannot be removed");
+  }
+  return {};
+}
+
+std::int64_t UploadFiles::free_bytes() const {
+  struct statvfs info {};
+  if (::statvfs(directory_.c_str(), &info) != 0) return 0;
+  return static_cast<std::int64_t>(info.f_bavail) * static_cast<std::int64_t>(info.f_frsize);
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,10 @@
+DELETE FROM disposals WHERE kind = 'export';
+ALTER TABLE disposals DROP CONSTRAINT disposals_kind_check;
+ALTER TABLE disposals ADD CHECK (kind IN ('upload', 'volume'));
+DROP TABLE exports, render_time, audit_log;
+DROP FUNCTION audit_log_is_kept();
+ALTER TABLE web_sessions DROP COLUMN id, DROP COLUMN browser, DROP COLUMN used_at;
+DELETE FROM email_tokens WHERE purpose <> 'verify';
+ALTER TABLE email_tokens DROP CONSTRAINT email_tokens_purpose_check, DROP CONSTRAINT email_tokens_check, DROP COLUMN new_email;
+ALTER TABLE email_tokens ADD CHECK (purpose IN ('verify'));
+ALTER TABLE users DROP COLUMN is_administrator, DROP COLUMN disabled_at, DROP COLUMN render_quota_ms;
