@@ -2,7 +2,7 @@ import js from "@eslint/js";
 import tseslint from "typescript-eslint";
 
 export default tseslint.config(
-  { ignores: ["dist", "node_modules", "src/protocol/gen", "eslint.config.js", "dev/protocol.mjs"] },
+  { ignores: ["dist", "node_modules", "src/protocol/gen", "eslint.config.js", "dev/protocol.mjs", "dev/judge_folders.mjs"] },
   js.configs.recommended,
   ...tseslint.configs.strictTypeChecked,
   ...tseslint.configs.stylisticTypeChecked,

@@ -1,8 +1,5 @@
 import { render } from "preact";
-import "./style/base.css";
-import "./style/controls.css";
-import "./style/pages.css";
-import "./style/viewer.css";
+import "./style/all.css";
 import { App } from "./views/app";
 import { AppState } from "./views/state";
 import "./views/theme";

@@ -6,10 +6,12 @@ import type { DataSet, Me } from "../../src/api/types";
 import { draw } from "./picture";
 import { scene_named, serve_stream, type FakeSession } from "./stream";
 
-const me: Me = { id: randomUUID(), email: "anna@example.org", csrf_token: "0".repeat(64), quota: { bytes: 20e9, used_bytes: 3.1e9 } };
+const me: Me = { id: randomUUID(), email: "anna@example.org", csrf_token: "0".repeat(64), administrator: false, quota: { bytes: 20e9, used_bytes: 3.1e9 }, render_time: { quota_ms: 72_000_000, used_ms: 0, renewed_at: "2027-01-01T00:00:00.000Z", pictures_end_at: null }, };
 let signed_in = false;
 const now = () => new Date().toISOString();
-const base = { owned: true, is_public: false, is_sample: false, refusal: null, volume: null, upload: null, created_at: now(), updated_at: now() };
+const base = {
+  description: "", body_part: null, role: "owner" as const, owner_name: "", shared: null, taken_down: null, published_at: null, anonymised_at: null,
+  owned: true, is_public: false, is_sample: false, refusal: null, volume: null, upload: null, created_at: now(), updated_at: now() };
 const volume = { modality: "CT" as const, size: [256, 256, 108] as const, spacing_mm: [0.957, 0.957, 1.5] as const, bytes: 14e6, repairs: [] };
 const sets: DataSet[] = [
   { ...base, id: randomUUID(), title: "Head, spring", state: "ready", volume },

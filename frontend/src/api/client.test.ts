@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { Api, ApiProblem } from "./client";
-import { checksum_of, worth_retrying } from "./upload";
+import { checksum_of } from "./upload";
 import { forget_upload, remember_upload, remembered_upload } from "./upload_memory";
 
 const me = { id: "1", email: "a@example.org", csrf_token: "c".repeat(64), quota: { bytes: 1, used_bytes: 0 } };
@@ -57,11 +57,6 @@ describe("the REST client", () => {
 });
 
 describe("an upload", () => {
-  it("is given up only where trying again is no use", () => {
-    expect([0, 409, 423, 429, 460, 500, 502, 503].map(worth_retrying)).toEqual(Array(8).fill(true));
-    expect([400, 401, 403, 404, 410, 413].map(worth_retrying)).toEqual(Array(6).fill(false));
-  });
-
   it("checks a part by its SHA-1, as tus names it", async () => {
     expect(await checksum_of(new Blob(["hello world"]))).toBe("sha1 Kq5sNclPz7QV2+lfQIuc6R7oRu0=");
   });

@@ -1,4 +1,8 @@
-import type { DataSet, Me, PresetName, ProblemBody, Recordings, Stream } from "./types";
+import { AnonymiseApi } from "./anonymise";
+import { PresetsApi, SharingApi } from "./sharing";
+import type {
+  AuditEntry, BrowserSession, DataSet, Export, Fleet, Listed, Me, PresetName, ProblemBody, Recordings, Stream, User,
+} from "./types";
 
 /** A refusal of the server (RFC 9457), or, with `status` 0, no answer at all. */
 export class ApiProblem extends Error {
@@ -76,6 +80,78 @@ export class Api {
     }
   }
 
+  async request_password_reset(email: string): Promise<void> {
+    await this.send("POST", "/v1/password-reset", { email });
+  }
+
+  async reset_password(token: string, password: string): Promise<void> {
+    await this.send("POST", "/v1/password-reset/confirm", { token, password });
+  }
+
+  async confirm_email(token: string): Promise<void> {
+    await this.send("POST", "/v1/email-change/confirm", { token });
+  }
+
+  async change_password(current: string, password: string): Promise<void> {
+    await this.send("POST", "/v1/me/password", { current, password });
+  }
+
+  async change_email(email: string, password: string): Promise<void> {
+    await this.send("POST", "/v1/me/email", { email, password });
+  }
+
+  async browser_sessions(): Promise<readonly BrowserSession[]> {
+    return (await this.json<{ items: BrowserSession[] }>("GET", "/v1/me/browser-sessions")).items;
+  }
+
+  async end_browser_session(id: string): Promise<void> {
+    await this.send("DELETE", `/v1/me/browser-sessions/${id}`);
+  }
+
+  async sign_out_everywhere(): Promise<void> {
+    await this.send("DELETE", "/v1/me/browser-sessions");
+    this.csrf_token_ = "";
+  }
+
+  /** Nothing when there is none. */
+  async export_state(): Promise<Export | null> {
+    try {
+      return await this.json<Export>("GET", "/v1/me/export");
+    } catch (thrown) {
+      if (thrown instanceof ApiProblem && thrown.status === 404) return null;
+      throw thrown;
+    }
+  }
+
+  request_export(): Promise<Export> {
+    return this.json("POST", "/v1/me/export");
+  }
+
+  async delete_export(): Promise<void> {
+    await this.send("DELETE", "/v1/me/export");
+  }
+
+  async delete_account(password: string): Promise<void> {
+    await this.send("POST", "/v1/me/deletion", { password });
+    this.csrf_token_ = "";
+  }
+
+  users(query: string, cursor: string | null): Promise<Listed<User>> {
+    return this.json("GET", `/v1/admin/users${query_of({ query, cursor })}`);
+  }
+
+  change_user(id: string, change: { quota_bytes?: number; render_quota_ms?: number; disabled?: boolean }): Promise<User> {
+    return this.json("PATCH", `/v1/admin/users/${id}`, change);
+  }
+
+  audit(filter: Readonly<Record<string, string | null>>): Promise<Listed<AuditEntry>> {
+    return this.json("GET", `/v1/admin/audit${query_of(filter)}`);
+  }
+
+  fleet(): Promise<Fleet> {
+    return this.json("GET", "/v1/admin/fleet");
+  }
+
   /** All of them: a person has few. */
   async data_sets(signal?: AbortSignal): Promise<DataSet[]> {
     const all: DataSet[] = [];
@@ -149,6 +225,10 @@ export class Api {
     return response.blob();
   }
 
+  readonly sharing = new SharingApi((...call) => this.send(...call));
+  readonly anonymise = new AnonymiseApi((...call) => this.send(...call));
+  readonly presets = new PresetsApi((...call) => this.send(...call));
+
   private known(me: Me): Me {
     this.csrf_token_ = me.csrf_token;
     return me;
@@ -161,7 +241,8 @@ export class Api {
 
   private async send(method: string, path: string, body?: unknown, init: RequestInit = {}): Promise<Response> {
     const headers = new Headers(init.headers);
-    if (body !== undefined) headers.set("Content-Type", "application/json");
+    const raw = body instanceof Blob;
+    if (body !== undefined && !raw) headers.set("Content-Type", "application/json");
     if (method !== "GET" && this.csrf_token_) headers.set("X-CSRF-Token", this.csrf_token_);
     let response: Response;
     try {
@@ -170,7 +251,7 @@ export class Api {
         method,
         headers,
         credentials: "same-origin",
-        ...(body === undefined ? {} : { body: JSON.stringify(body) }),
+        ...(body === undefined ? {} : { body: raw ? body : JSON.stringify(body) }),
       });
     } catch (thrown) {
       if (init.signal?.aborted) throw thrown;
@@ -180,6 +261,15 @@ export class Api {
     return response;
   }
 }
+
+/** "?a=1&b=2" of what is given, or nothing. */
+function query_of(given: Readonly<Record<string, string | null>>): string {
+  const query = new URLSearchParams();
+  for (const [name, value] of Object.entries(given)) if (value) query.set(name, value);
+  return query.size > 0 ? `?${query.toString()}` : "";
+}
+
+export const export_path = "/v1/me/export/file";
 
 export const recording_path = (id: string): string => `/v1/recordings/${id}`;
 

@@ -46,6 +46,24 @@ export function guest_door(api: JoinApi, token: string, key: string, name: strin
   };
 }
 
+/** What of the API a visitor's door needs. */
+export interface VisitApi {
+  visit(what: { readonly token: string } | { readonly data_set_id: string }, key: string, signal?: AbortSignal): Promise<{ readonly stream_url: string }>;
+}
+
+/** Leads to a visitor's session; the same key is the same visit again, until it is over. */
+export function visit_door(api: VisitApi, what: { readonly token: string } | { readonly data_set_id: string }, key: string): Door {
+  return async (signal) => {
+    try {
+      return { ok: true, url: (await api.visit(what, key, signal)).stream_url };
+    } catch (thrown) {
+      if (!(thrown instanceof ApiProblem)) throw thrown;
+      if (thrown.status === 404) return { ok: false, trouble: "link_ended", final: true };
+      return { ok: false, ...refusal(thrown), retry_after_ms: thrown.retry_after_ms };
+    }
+  };
+}
+
 async function again(api: SessionApi, id: string, signal: AbortSignal): Promise<Stream | null> {
   try {
     return await api.create_ticket(id, signal);

@@ -4,15 +4,93 @@ export interface Me {
   readonly id: string;
   readonly email: string;
   readonly csrf_token: string;
+  readonly administrator: boolean;
   readonly quota: { readonly bytes: number; readonly used_bytes: number };
+  /** Of render devices, this month. */
+  readonly render_time: {
+    readonly quota_ms: number;
+    readonly used_ms: number;
+    readonly renewed_at: string;
+    /** All is used: open pictures end then. */
+    readonly pictures_end_at: string | null;
+  };
 }
+
+export interface BrowserSession {
+  readonly id: string;
+  readonly browser: string;
+  readonly current: boolean;
+  readonly created_at: string;
+  readonly used_at: string;
+}
+
+export interface Export {
+  readonly state: "queued" | "ready" | "failed";
+  readonly bytes: number | null;
+  readonly created_at: string;
+  readonly expires_at: string;
+}
+
+/** An account, as an administrator sees it. */
+export interface User {
+  readonly id: string;
+  readonly email: string;
+  readonly created_at: string;
+  readonly used_at: string | null;
+  readonly verified: boolean;
+  readonly disabled: boolean;
+  readonly administrator: boolean;
+  readonly quota: { readonly bytes: number; readonly used_bytes: number };
+  readonly render_time: { readonly quota_ms: number; readonly used_ms: number };
+  readonly data_sets: number;
+}
+
+export interface AuditEntry {
+  readonly id: number;
+  readonly happened_at: string;
+  readonly actor: "person" | "administrator" | "machine";
+  readonly actor_id: string | null;
+  readonly actor_email: string | null;
+  readonly action: string;
+  readonly subject: string;
+  readonly subject_id: string | null;
+  readonly subject_email: string | null;
+  readonly details: Readonly<Record<string, number | string>>;
+}
+
+export interface Fleet {
+  readonly workers: readonly {
+    readonly id: string;
+    readonly engine: string;
+    readonly device: string;
+    readonly slots: number;
+    readonly used: number;
+    readonly load: number;
+    readonly draining: boolean;
+    readonly volumes: number;
+  }[];
+  readonly ingest: { readonly queued: number; readonly building: number };
+}
+
+export interface Listed<T> {
+  readonly items: readonly T[];
+  readonly next_cursor: string | null;
+}
+
+export type BodyPart = "head" | "neck" | "chest" | "abdomen" | "pelvis" | "spine" | "arm" | "leg" | "whole" | "other";
+export const body_parts: readonly BodyPart[] = ["head", "neck", "chest", "abdomen", "pelvis", "spine", "arm", "leg", "whole", "other"];
 
 export type DataSetState = "uploading" | "queued" | "building" | "ready" | "refused" | "expired";
 
 export interface DataSet {
   readonly id: string;
   readonly title: string;
+  readonly description: string;
+  readonly body_part: BodyPart | null;
   readonly state: DataSetState;
+  readonly role: "nobody" | "unverified" | "other" | "shared-view" | "shared-edit" | "owner" | "administrator";
+  /** Chosen by the owner, or empty. */
+  readonly owner_name: string;
   readonly owned: boolean;
   readonly is_public: boolean;
   readonly is_sample: boolean;
@@ -30,8 +108,68 @@ export interface DataSet {
     readonly received_bytes: number;
     readonly expires_at: string;
   } | null;
+  /** To the owner. */
+  readonly shared: { readonly people: number; readonly links: number } | null;
+  readonly taken_down: { readonly reason: string } | null;
+  readonly published_at: string | null;
+  readonly anonymised_at: string | null;
   readonly created_at: string;
   readonly updated_at: string;
+}
+
+export interface SharedPerson {
+  readonly id: string;
+  readonly email: string;
+  readonly may: "view" | "save";
+}
+
+export interface DataSetLink {
+  readonly id: string;
+  readonly expires_at: string;
+}
+
+export interface Report {
+  readonly id: string;
+  readonly data_set_id: string;
+  /** Empty once it is private again. */
+  readonly title: string;
+  readonly reason: string;
+  readonly words: string;
+  readonly taken_down: boolean;
+  readonly created_at: string;
+}
+
+export interface GalleryQuestion {
+  readonly q: string;
+  readonly body_part: string;
+  readonly modality: string;
+}
+
+export interface Page<T> {
+  readonly items: readonly T[];
+  readonly next_cursor: string | null;
+}
+
+export interface PresetInfo {
+  readonly id: string;
+  readonly name: string;
+  readonly author_name: string;
+  readonly mine: boolean;
+  readonly is_default: boolean;
+  readonly votes: number;
+  readonly my_vote: number;
+  readonly etag: string;
+}
+
+/** With its scene, in Protobuf's JSON. */
+export interface SavedPreset extends PresetInfo {
+  readonly scene: object;
+}
+
+export interface Visit {
+  readonly session_id: string;
+  readonly stream_url: string;
+  readonly expires_at: string;
 }
 
 export interface Stream {

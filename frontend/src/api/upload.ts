@@ -1,31 +1,44 @@
 import { DefaultHttpStack, DetailedError, Upload, type HttpRequest, type HttpStack } from "tus-js-client";
 
-/** The only place that knows tus-js-client. */
+/** The only place that knows tus-js-client (docs/adr/0021). */
 
 export const part_bytes = 8 * 1024 * 1024;
 
-/** How an upload ended: done, given up by the person, or refused for good by the server with this status. */
+/** How an upload ended: done, or refused for good by the server with this status. */
 export type UploadEnd = { readonly kind: "done" } | { readonly kind: "refused"; readonly status: number };
+
+/** Why nothing is sent just now; the next try comes by itself. */
+export type Hindrance = "connection" | "storage_full";
 
 export interface UploadEvents {
   progress(sent: number, total: number): void;
-  /** A cut; the next try comes by itself. */
-  paused(): void;
+  hindered(by: Hindrance): void;
   end(end: UploadEnd): void;
 }
 
 export interface RunningUpload {
   /** Stops sending; what has arrived stays at the server. */
   stop(): void;
+  /** Sends again from where the server stands: after `stop`, or at once instead of after the wait that is on. */
+  go_on(): void;
 }
 
 const waits_ms = [300, 1000, 2000, 4000, 8000];
+const full_wait_ms = 60_000;
+/** A token that was renewed in another window is known here within moments. */
+const tries_with_old_token = 4;
 
 /** Sends from where the server stands, part by part with a checksum each, and comes back after any cut by itself. */
 export function start_upload(bundle: Blob, url: string, csrf_token: () => string, events: UploadEvents): RunningUpload {
-  let stopped = false;
+  let sending = false;
   let failures = 0;
   let timer: ReturnType<typeof setTimeout> | undefined;
+  const go_on = () => {
+    clearTimeout(timer);
+    if (sending) return;
+    sending = true;
+    upload.start();
+  };
   const upload = new Upload(bundle, {
     uploadUrl: url,
     chunkSize: part_bytes,
@@ -37,32 +50,38 @@ export function start_upload(bundle: Blob, url: string, csrf_token: () => string
     onChunkComplete: () => {
       failures = 0;
     },
-    onSuccess: () => events.end({ kind: "done" }),
+    onSuccess: () => {
+      sending = false;
+      events.end({ kind: "done" });
+    },
     onError: (error) => {
-      if (stopped) return;
+      if (!sending) return; // stopped
+      sending = false;
       const status = error instanceof DetailedError ? (error.originalResponse?.getStatus() ?? 0) : 0;
-      if (!worth_retrying(status)) {
+      if (!worth_retrying(status, failures)) {
         events.end({ kind: "refused", status });
         return;
       }
-      const wait = waits_ms[Math.min(failures++, waits_ms.length - 1)] ?? 8000;
-      events.paused();
-      timer = setTimeout(() => upload.start(), wait);
+      const wait = status === 507 ? full_wait_ms : (waits_ms[Math.min(failures, waits_ms.length - 1)] ?? 8000);
+      failures += 1;
+      events.hindered(status === 507 ? "storage_full" : "connection");
+      timer = setTimeout(go_on, wait);
     },
   });
-  upload.start();
+  go_on();
   return {
     stop: () => {
-      stopped = true;
+      sending = false;
       clearTimeout(timer);
       void upload.abort(false).catch(() => undefined);
     },
+    go_on,
   };
 }
 
-/** 409 the offset differs (ask again), 423 a part is still being written, 429 too fast, 460 damaged on the way. */
-export const worth_retrying = (status: number): boolean =>
-  status === 0 || status >= 500 || [408, 409, 423, 429, 460].includes(status);
+/** 403 the token is an older one, 409 the offset differs (ask again), 423 a part is still being written, 429 too fast, 460 damaged on the way. */
+export const worth_retrying = (status: number, failures: number): boolean =>
+  status === 0 || status >= 500 || [408, 409, 423, 429, 460].includes(status) || (status === 403 && failures < tries_with_old_token);
 
 /** Adds `Upload-Checksum` to each part, which the library leaves to others. */
 class ChecksumStack implements HttpStack {

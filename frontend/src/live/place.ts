@@ -1,5 +1,5 @@
 import { random_key, type Api } from "../api/client";
-import { guest_door, session_door } from "../api/session_door";
+import { guest_door, session_door, visit_door } from "../api/session_door";
 import type { Door } from "../protocol/stream_client";
 
 /** Where a viewer's pictures come from, and under which name the page remembers the view of it. */
@@ -28,6 +28,16 @@ export function guest_place(api: Api, token: string, guest: Guest): Place {
     key: `guest.${token.slice(0, 8)}`,
     data_set_id: null,
     door: () => guest_door(api, token, guest.key, guest.name),
+    leave: () => undefined,
+  };
+}
+
+/** Looking without an account: at a sample, or by a link. */
+export function visit_place(api: Api, what: { readonly token: string } | { readonly data_set_id: string }, key: string): Place {
+  return {
+    key: `visit.${key.slice(0, 8)}`,
+    data_set_id: null,
+    door: () => visit_door(api.sharing, what, key),
     leave: () => undefined,
   };
 }

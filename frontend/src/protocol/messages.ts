@@ -17,7 +17,7 @@ import {
   type ClientMessage,
   type ServerMessage,
 } from "./gen/api/proto/stream_pb";
-import { CameraSchema, SceneSchema, TransferFunctionSchema, Vec3Schema, type Scene } from "./gen/api/proto/scene_pb";
+import { CameraSchema, Clip_PlaneSchema, ClipSchema, SceneSchema, TransferFunctionSchema, Vec3Schema, type Scene } from "./gen/api/proto/scene_pb";
 
 export { Codec, StillFormat };
 export type { Audience, Config, Frame, Look, Participant, Problem, State, Stats, Still } from "./gen/api/proto/stream_pb";
@@ -140,6 +140,22 @@ export function with_camera(scene: Scene, pose: CameraPose): Scene {
     verticalFovDegrees: pose.verticalFovDegrees,
   });
   return { ...scene, camera };
+}
+
+/** The same scene, of which only what lies in the box and behind the planes is there. mm. */
+export function with_clip(
+  scene: Scene,
+  box: { readonly low: readonly number[]; readonly high: readonly number[] },
+  planes: readonly { readonly point: readonly number[]; readonly normal: readonly number[] }[],
+): Scene {
+  const vector = ([x = 0, y = 0, z = 0]: readonly number[]) => create(Vec3Schema, { x, y, z });
+  const clip = create(ClipSchema, {
+    boxLow: vector(box.low),
+    boxHigh: vector(box.high),
+    planes: planes.map((plane) => create(Clip_PlaneSchema, { point: vector(plane.point), normal: vector(plane.normal) })),
+    cutsLight: true,
+  });
+  return { ...scene, clip };
 }
 
 /** Whether two scenes show the same materials; cameras may differ. */

@@ -30,13 +30,14 @@ describe("what is sent of a slice", () => {
       const text = await blob.text();
       for (const word of ["Secret", "Head 1.5", "1.2.5", "1.2.3.", "HEAD", "PAD"]) expect(text).not.toContain(word);
       const read = await read_file_header(blob, i);
-      if (read.kind !== "header") throw new Error(read.kind);
-      expect(read.header).toMatchObject({
+      const found = read.kind === "headers" ? read.headers[0] : undefined;
+      if (!found) throw new Error(read.kind);
+      expect(found).toMatchObject({
         sop_class: "1.2.840.10008.5.1.4.1.1.2", modality: "CT", rows: 8, columns: 8, position: [0, 0, i * 1.5], orientation: [1, 0, 0, 0, 1, 0],
         pixel_spacing: [0.5, 0.5], intercept: -1024, slope: 1, is_signed: true, bits_stored: 16, window: { center: 40, width: 400 },
         patient: { name: "", id: "", birth_date: "" }, description: "", truncated: false,
       });
-      const { offset, length } = read.header.pixels ?? { offset: 0, length: 0 };
+      const { offset, length } = found.pixels ?? { offset: 0, length: 0 };
       expect(new Uint8Array(await blob.slice(offset, offset + length).arrayBuffer())).toEqual(pixels);
     }
   });
@@ -60,11 +61,12 @@ describe("what is sent of a slice", () => {
     plain.set([255, 255, 255, 255], plain.length - fragments.length - 4); // of undefined length
     const files = [new Blob([concat([plain, new TextEncoder().encode("Secret tail")])])];
     const read = await read_file_header(files[0] ?? new Blob(), 0);
-    if (read.kind !== "header") throw new Error(read.kind);
-    const { from, to } = read.header.voxels ?? { from: 0, to: 0 };
+    const found = read.kind === "headers" ? read.headers[0] : undefined;
+    if (!found) throw new Error(read.kind);
+    const { from, to } = found.voxels ?? { from: 0, to: 0 };
     expect(new Uint8Array(await (files[0] ?? new Blob()).slice(from, to).arrayBuffer())).toEqual(fragments);
-    expect(read.header.truncated).toBe(false);
+    expect(found.truncated).toBe(false);
     const cut = new Blob([plain.slice(0, plain.length - 10)]);
-    expect(await read_file_header(cut, 0)).toMatchObject({ header: { truncated: true, voxels: null } });
+    expect(await read_file_header(cut, 0)).toMatchObject({ headers: [{ truncated: true, voxels: null }] });
   });
 });

@@ -1,4 +1,4 @@
-import type { KeptElement, SliceHeader, UploadPart } from "./types";
+import type { GroupedElement, KeptElement, SliceHeader, UploadPart } from "./types";
 
 /**
  * What is uploaded of a slice: a new header that holds only what a volume needs, and the voxels. So names, dates,
@@ -6,20 +6,21 @@ import type { KeptElement, SliceHeader, UploadPart } from "./types";
  */
 
 /** Numbers and coded words, by their kind. Texts that a person may have typed are not among them. */
-const wanted: Readonly<Record<string, "number" | "us" | "image_type" | "modality" | "class" | "photometric" | "rescale_type">> = {
+const wanted: Readonly<Record<string, "number" | "us" | "image_type" | "modality" | "class" | "photometric" | "rescale_type" | "lossy">> = {
   x00080008: "image_type", x00080016: "class", x00080060: "modality",
   x00180050: "number", x00180081: "number", x00180086: "number", x00181060: "number", x00189087: "number",
   x00200012: "number", x00200013: "number", x00200032: "number", x00200037: "number", x00200100: "number",
   x00280002: "us", x00280004: "photometric", x00280006: "us", x00280008: "number", x00280010: "us", x00280011: "us",
   x00280030: "number", x00280034: "number", x00280100: "us", x00280101: "us", x00280102: "us", x00280103: "us",
   x00280106: "us", x00280107: "us", x00280120: "us", x00280121: "us",
+  x00282110: "lossy",
   x00281050: "number", x00281051: "number", x00281052: "number", x00281053: "number", x00281054: "rescale_type",
 };
 
 export const wanted_tags: readonly string[] = Object.keys(wanted);
 
 const image_words = new Set([
-  "ORIGINAL", "DERIVED", "PRIMARY", "SECONDARY", "AXIAL", "LOCALIZER", "REFORMATTED", "MPR", "AVERAGE", "RESAMPLED", "VOLUME",
+  "ORIGINAL", "DERIVED", "MIXED", "PRIMARY", "SECONDARY", "AXIAL", "LOCALIZER", "REFORMATTED", "MPR", "AVERAGE", "RESAMPLED", "VOLUME",
   "HELIX", "NORM", "M", "P", "R", "I", "ND", "NONE", "DIFFUSION", "ADC", "TRACEW", "FFE", "SE", "M_FFE", "M_SE", "STATIC",
 ]);
 
@@ -44,6 +45,8 @@ export function kept_element(tag: string, vr: string, bytes: Uint8Array): KeptEl
       return /^MONOCHROME[12]$/.test(text) ? coded(tag, "CS", text) : null;
     case "rescale_type":
       return /^(HU|US|BQML|SUV)$/.test(text) ? coded(tag, "LO", text) : null;
+    case "lossy":
+      return /^0[01]$/.test(text) ? coded(tag, "CS", text) : null;
     case "class":
       return /^[0-9.]{1,64}$/.test(text) ? coded(tag, "UI", text) : null;
   }
@@ -59,17 +62,50 @@ function coded(tag: string, vr: string, text: string): KeptElement {
   return { tag, vr, bytes };
 }
 
+/** What may leave of the functional groups of an enhanced file: by group, those elements in it. */
+export const grouped_tags: Readonly<Record<string, readonly string[]>> = {
+  x00209111: ["x00209056"],
+  x00209113: ["x00200032"],
+  x00209116: ["x00200037"],
+  x00289110: ["x00280030"],
+  x00289132: ["x00281050", "x00281051"],
+  x00289145: ["x00281052", "x00281053"],
+  x00189226: ["x00089007"],
+  x00189329: ["x00089007"],
+  x00189751: ["x00089007"],
+};
+
+/** Of a stack's name only whether it is the same is kept, by its number of letters and their sum: it may be any text. */
+const disguised = (text: string): string => String(Array.from(text).reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) % 9973, 7));
+
+export function grouped_element(group: string, tag: string, bytes: Uint8Array): GroupedElement | null {
+  if (tag === "x00209056") return { ...coded(tag, "SH", disguised(String.fromCharCode(...bytes).trim())), group };
+  const kept = tag === "x00089007" ? kept_element("x00080008", "CS", bytes) : kept_element(tag, "DS", bytes);
+  return kept && { ...kept, tag, group };
+}
+
 const big_endian = "1.2.840.10008.1.2.2";
 const implicit_little = "1.2.840.10008.1.2";
 
-/** `number`: which slice of the bundle it is, from 1; stands where the identifiers were. */
-export function upload_part(slice: SliceHeader, number: number): UploadPart | null {
-  const voxels = slice.voxels;
-  if (!voxels) return null;
+/** What is sent of the slices chosen: a part a file, in the order of the first slice of each. */
+export function upload_parts(slices: readonly SliceHeader[]): UploadPart[] {
+  const files = new Map<number, SliceHeader[]>();
+  for (const slice of slices) {
+    const others = files.get(slice.file);
+    if (others) others.push(slice);
+    else files.set(slice.file, [slice]);
+  }
+  return [...files.values()].flatMap((of_file, i) => upload_part(of_file, i + 1) ?? []);
+}
+
+/** `number`: which file of the bundle it is, from 1; stands where the identifiers were. */
+function upload_part(slices: readonly SliceHeader[], number: number): UploadPart | null {
+  const slice = slices[0];
+  const voxels = slice?.voxels;
+  if (!slice || !voxels) return null;
   const own = `2.25.${1000 + number}`;
-  const class_uid = slice.sop_class;
   const meta = [
-    element(coded("x00020002", "UI", class_uid)),
+    element(coded("x00020002", "UI", slice.sop_class)),
     element(coded("x00020003", "UI", own)),
     element(coded("x00020010", "UI", slice.transfer_syntax)),
     element(coded("x00020012", "UI", "2.25.3")),
@@ -92,12 +128,37 @@ export function upload_part(slice: SliceHeader, number: number): UploadPart | nu
     element({ tag: "x00020000", vr: "UL", bytes: meta_length }),
     ...meta,
     ...body.map((one) => element(one, implicit, little)),
+    ...(slice.stack === "" ? [] : [frame_groups(slices, implicit, little)]),
     element({ tag: "x7fe00010", vr: voxels.vr, bytes: new Uint8Array() }, implicit, little, length),
   ]);
-  return { file: slice.file, head, from: voxels.from, to: voxels.to };
+  return { file: slice.file, head, from: voxels.from, to: voxels.to, inflated: slice.inflated };
 }
 
-const long_form = new Set(["OB", "OW", "UN"]);
+/** PerFrameFunctionalGroupsSequence: nothing is said of a frame that was not chosen, and the server passes over it. */
+function frame_groups(slices: readonly SliceHeader[], implicit: boolean, little: boolean): Uint8Array {
+  const chosen = new Map(slices.map((slice) => [slice.frame, slice]));
+  const frames = Number(text_of(slices[0]?.kept.find(({ tag }) => tag === "x00280008")) || 1);
+  const sequence = (tag: string, items: readonly Uint8Array[]) =>
+    element({ tag, vr: "SQ", bytes: joined(items.map((item) => element({ tag: "xfffee000", vr: "", bytes: item }, true, little))) }, implicit, little);
+  return sequence(
+    "x52009230",
+    Array.from({ length: frames }, (_, frame) => {
+      const said = chosen.get(frame)?.grouped ?? [];
+      const groups = [...new Set(said.map(({ group }) => group))].sort();
+      return joined(
+        groups.map((group) => {
+          const last = new Map(said.filter((one) => one.group === group).map((one) => [one.tag, one])); // the frame's own, if both
+          const inner = [...last.values()].sort((a, b) => (a.tag < b.tag ? -1 : 1));
+          return sequence(group, [joined(inner.map((one) => element(one, implicit, little)))]);
+        }),
+      );
+    }),
+  );
+}
+
+const text_of = (kept: KeptElement | undefined): string => (kept ? String.fromCharCode(...kept.bytes).trim() : "");
+
+const long_form = new Set(["OB", "OW", "UN", "SQ"]);
 
 function element({ tag, vr, bytes }: KeptElement, implicit = false, little = true, length = bytes.length): Uint8Array {
   const long = implicit || long_form.has(vr);
@@ -129,8 +190,8 @@ function joined(parts: readonly Uint8Array[]): Uint8Array<ArrayBuffer> {
 
 /** The bytes to send of each part, read only when they are sent. */
 export function part_blobs(parts: readonly UploadPart[], files: readonly Blob[]): Blob[] {
-  return parts.flatMap(({ file, head, from, to }) => {
-    const source = files[file];
+  return parts.flatMap(({ file, head, from, to, inflated }) => {
+    const source = inflated ?? files[file];
     return source ? [new Blob([head, source.slice(from, to)])] : [];
   });
 }

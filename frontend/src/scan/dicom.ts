@@ -1,11 +1,12 @@
 import dicomParser, { type DataSet } from "dicom-parser";
 import { kept_element, wanted_tags } from "./clean_file";
+import { bytes_of, frames_of } from "./frames";
 import type { SliceHeader } from "./types";
 
 /** The only place that knows dicom-parser. */
 
 export type HeaderRead =
-  | { readonly kind: "header"; readonly header: SliceHeader }
+  | { readonly kind: "headers"; readonly headers: readonly SliceHeader[] } // of an enhanced file one a frame
   | { readonly kind: "more" } // the header goes on behind these bytes
   | { readonly kind: "not_dicom" }
   | { readonly kind: "unreadable" };
@@ -13,34 +14,33 @@ export type HeaderRead =
 const explicit_little = "1.2.840.10008.1.2.1";
 const implicit_little = "1.2.840.10008.1.2";
 const big_endian = "1.2.840.10008.1.2.2";
-export const deflated_little = "1.2.840.10008.1.2.1.99";
+const deflated_little = "1.2.840.10008.1.2.1.99";
 const pixel_data = "x7fe00010";
+const lossy_syntaxes = new Set(["50", "51", "81", "91"].map((leaf) => `1.2.840.10008.1.2.4.${leaf}`));
 
-/**
- * Reads a header from the first bytes of a file, up to the voxels.
- * `inflated`: for a deflated file, the beginning of its inflated part.
- */
-export function read_header(bytes: Uint8Array, file: number, file_bytes: number, inflated?: Uint8Array): HeaderRead {
+/** Reads a header from the first bytes of a file, up to the voxels; of a deflated file, from all that it unpacks to. */
+export function read_header(bytes: Uint8Array, file: number, file_bytes: number): HeaderRead {
   const form = guess_form(bytes);
   if (!form) return { kind: "not_dicom" };
   const complete = bytes.length >= file_bytes;
   let data: DataSet;
+  let cut_off = false;
   try {
     data = dicomParser.parseDicom(form.bytes, {
       untilTag: pixel_data,
       ...(form.syntax ? { TransferSyntaxUID: form.syntax } : {}),
-      inflater: (all, position) => joined(all.subarray(0, position), inflated ?? new Uint8Array()),
     });
   } catch (thrown) {
     if (!complete) return { kind: "more" };
     const partial = (thrown as { dataSet?: DataSet } | null)?.dataSet;
     if (!partial?.elements.x0020000e) return form.sure ? { kind: "unreadable" } : { kind: "not_dicom" };
+    cut_off = true;
     data = partial; // cut off behind what is needed: a damaged slice of a known series
   }
-  if (!complete && !data.elements[pixel_data] && !inflated) return { kind: "more" };
-  const header = header_of(data, form, file, file_bytes);
+  if (!complete && !data.elements[pixel_data]) return { kind: "more" };
+  const header = header_of(data, form, file, file_bytes, cut_off);
   if (!header) return form.sure ? { kind: "unreadable" } : { kind: "not_dicom" };
-  return { kind: "header", header };
+  return { kind: "headers", headers: frames_of(data, header) };
 }
 
 /** Where the deflated part of a file begins; nothing when it is not deflated. */
@@ -75,11 +75,12 @@ function guess_form(bytes: Uint8Array): Form | null {
     preamble.set([0x44, 0x49, 0x43, 0x4d], 128);
     return { bytes: joined(preamble, bytes), shift: 132, sure: false };
   }
+  if (group === 0x0800 && explicit) return { bytes, syntax: big_endian, shift: 0, sure: false };
   if (group !== 0x0008) return null;
   return { bytes, syntax: explicit ? explicit_little : implicit_little, shift: 0, sure: false };
 }
 
-function header_of(data: DataSet, form: Form, file: number, file_bytes: number): SliceHeader | null {
+function header_of(data: DataSet, form: Form, file: number, file_bytes: number, cut_off: boolean): SliceHeader | null {
   const string = (tag: string) => data.string(tag) ?? "";
   const series_uid = string("x0020000e");
   const sop_class = string("x00080016");
@@ -99,6 +100,8 @@ function header_of(data: DataSet, form: Form, file: number, file_bytes: number):
   const offset = element ? element.dataOffset - form.shift : 0;
   return {
     file,
+    frame: 0,
+    stack: "",
     file_bytes,
     sop_class,
     sop_uid: string("x00080018"),
@@ -107,6 +110,7 @@ function header_of(data: DataSet, form: Form, file: number, file_bytes: number):
     transfer_syntax: syntax,
     modality: string("x00080060"),
     image_type: string("x00080008").split("\\").map((part) => part.trim().toUpperCase()),
+    is_lossy: string("x00282110").trim() === "01" || lossy_syntaxes.has(syntax),
     patient: {
       name: text("x00100010").split("=")[0]?.replaceAll("^", " ").replace(/\s+/g, " ").trim() ?? "",
       id: text("x00100020"),
@@ -124,6 +128,7 @@ function header_of(data: DataSet, form: Form, file: number, file_bytes: number):
     bits_stored: data.uint16("x00280101") ?? bits_allocated,
     is_signed: data.uint16("x00280103") === 1,
     has_lookup_table: data.elements.x00283000 !== undefined,
+    has_scale: data.elements.x00281053 !== undefined && data.elements.x00281052 !== undefined,
     slope: finite(data.floatString("x00281053")) ?? 1,
     intercept: finite(data.floatString("x00281052")) ?? 0,
     window: finite(center) !== null && width !== undefined && width > 0 ? { center: center ?? 0, width } : null,
@@ -140,13 +145,11 @@ function header_of(data: DataSet, form: Form, file: number, file_bytes: number):
       const bytes = found && bytes_of(data).subarray(found.dataOffset, found.dataOffset + found.length);
       return (bytes && kept_element(tag, found.vr ?? "", bytes)) ?? [];
     }),
-    truncated: element === undefined || (native && (element.length < wanted || offset + wanted > file_bytes)),
+    grouped: [],
+    inflated: null,
+    truncated: cut_off || (element !== undefined && native && (element.length < wanted || offset + wanted > file_bytes)),
   };
 }
-
-/** Typed with Node's Buffer, which a browser has not. */
-// eslint-disable-next-line @typescript-eslint/no-unsafe-return
-const bytes_of = (data: DataSet): Uint8Array => data.byteArray;
 
 function numbers(data: DataSet, tag: string, count: number): number[] | null {
   const values = (data.string(tag) ?? "").split("\\").map((part) => (part.trim() === "" ? Number.NaN : Number(part)));

@@ -6,7 +6,7 @@ import type { SliceHeader } from "./types";
 
 async function headers(blobs: readonly Blob[]): Promise<SliceHeader[]> {
   const reads = await Promise.all(blobs.map((blob, i) => read_file_header(blob, i)));
-  return reads.flatMap((read) => (read.kind === "header" ? [read.header] : []));
+  return reads.flatMap((read) => (read.kind === "headers" ? read.headers : []));
 }
 
 const judged = async (blobs: readonly Blob[]) => judge(await headers(blobs));
@@ -21,9 +21,9 @@ describe("what can become a volume", () => {
   it("takes a regular series and orders it by position, not by name or number", async () => {
     const blobs = series((i) => ({ z: ((i * 7) % 24) * 1.5 - 10 }));
     const verdict = await judged(blobs);
-    expect(verdict).toMatchObject({ suitable: true, size: [8, 8, 24], left_out: { scouts: 0, doubles: 0, damaged: 0 } });
+    expect(verdict).toMatchObject({ suitable: true, size: [8, 8, 24], left_out: { scouts: 0, doubles: 0, damaged: 0, others: 0 } });
     if (!verdict.suitable) return;
-    expect(verdict.files.map((file) => (file * 7) % 24)).toEqual([...Array(24).keys()]);
+    expect(verdict.slices.map(({ file }) => (file * 7) % 24)).toEqual([...Array(24).keys()]);
     expect(verdict.size_mm[2]).toBeCloseTo(36, 9);
   });
 
@@ -34,9 +34,10 @@ describe("what can become a volume", () => {
     if (verdict.suitable) expect(verdict.size_mm[2]).toBeCloseTo(30, 6);
   });
 
-  it("allows a jitter of two in a hundred", async () => {
+  it("allows a jitter of two in a hundred, and says that more will be computed anew", async () => {
     expect(await refusal(series((i) => ({ z: i * 1.5 + (i % 2) * 0.014 })))).toBe("suitable");
-    expect(await refusal(series((i) => ({ z: i * 1.5 + (i % 2) * 0.2 })))).toBe("varying_spacing");
+    expect(await judged(series((i) => ({ z: i * 1.5 + (i % 2) * 0.2 })))).toMatchObject({ suitable: true, repairs: [{ kind: "varying" }] });
+    expect(await refusal(series((i) => ({ z: i < 12 ? i : 12 + (i - 12) * 9 })))).toBe("varying_spacing");
   });
 
   it("keeps one of two same objects and drops a scout inside a good series", async () => {
@@ -48,10 +49,28 @@ describe("what can become a volume", () => {
     expect(await judged(blobs)).toMatchObject({ suitable: true, size: [8, 8, 24], left_out: { doubles: 1, scouts: 1 } });
   });
 
-  it("leaves a truncated slice out at the end, and misses it in the middle", async () => {
+  it("leaves a truncated slice out at the end, and fills it in in the middle", async () => {
     const cut = (at: number) => series(() => ({})).map((blob, i) => (i === at ? blob.slice(0, blob.size - 40) : blob));
     expect(await judged(cut(23))).toMatchObject({ suitable: true, size: [8, 8, 23], left_out: { damaged: 1 } });
-    expect(await judged(cut(11))).toMatchObject({ suitable: false, reason: "missing_slices", count: 1 });
+    const filled = { suitable: true, size: [8, 8, 24], repairs: [{ kind: "filled_in", slices: 1 }], left_out: { damaged: 1 } };
+    expect(await judged(cut(11))).toMatchObject(filled);
+  });
+
+  it("does not hide a series for one file that was cut off in its header, and so no longer says how it is coded", async () => {
+    const blobs = series(() => ({})).map((blob, i) => (i === 23 ? blob.slice(0, blob.size - 160) : blob));
+    expect(await judged(blobs)).toMatchObject({ suitable: true, size: [8, 8, 23], left_out: { damaged: 1 } });
+  });
+
+  it("keeps the size that most slices have", async () => {
+    const found = { suitable: true, size: [8, 8, 21], left_out: { others: 3 } };
+    expect(await judged(series((i) => (i > 20 ? { rows: 4 } : {})))).toMatchObject(found);
+    expect(await judged(series((i) => (i > 20 ? { spacing: [1, 1] } : {})))).toMatchObject(found);
+  });
+
+  it("says by how much a tilted series will be straightened", async () => {
+    const verdict = await judged(series((i) => ({ position: [0, i * 1.5 * Math.tan((18.5 * Math.PI) / 180), i * 1.5] })));
+    expect(verdict).toMatchObject({ suitable: true, repairs: [{ kind: "straightened" }] });
+    if (verdict.suitable && verdict.repairs[0]?.kind === "straightened") expect(verdict.repairs[0].degrees).toBeCloseTo(18.5, 6);
   });
 
   it.each<[string, Blob[]]>([
@@ -61,19 +80,19 @@ describe("what can become a volume", () => {
     ["views_not_slices", series(() => ({ image_type: "DERIVED\\SECONDARY\\PROJECTION IMAGE" }))],
     ["not_original", series(() => ({ image_type: "DERIVED\\SECONDARY\\MPR" }))],
     ["screenshots", series(() => ({ photometric: "RGB", samples: 3, pixels: new Uint8Array(384) }))],
-    ["screenshots", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.7" }))],
+    ["no_slices", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.7" }))],
     ["no_slices", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.88.22" }), 1)],
-    ["multi_frame", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.2.1", frames: 40 }), 1)],
+    ["no_position", series(() => ({ sop_class: "1.2.840.10008.5.1.4.1.1.2.1", frames: 40 }), 1)],
     ["no_position", series(() => ({ position: null }))],
     ["no_position", series(() => ({ orientation: null }))],
     ["one_position", series(() => ({ z: 5 }))],
     ["time_series", series((i) => ({ z: (i % 12) * 2 }))],
     ["repeated_position", series((i) => ({ z: Math.min(i, 20) * 2 }))],
-    ["mixed", series((i) => (i > 20 ? { rows: 4 } : {}))],
+    ["mixed", series((i) => (i % 2 ? { rows: 4 } : {}))],
     ["mixed", series((i) => (i > 18 ? { orientation: [0, 1, 0, 0, 0, -1] } : {}))],
-    ["mixed", series((i) => (i > 20 ? { spacing: [1, 1] } : {}))],
+    ["mixed", series((i) => (i % 2 ? { spacing: [1, 1] } : {}))],
     ["missing_slices", series((i) => ({ z: (i < 12 ? i : i + 2) * 1.5 }))],
-    ["tilted", series((i) => ({ position: [0, i * 0.2, i * 1.5] }))],
+    ["tilted", series((i) => ({ position: [0, i * 2, i * 1.5] }))],
     ["unsupported_compression", series(() => ({ syntax: "1.2.840.10008.1.2.4.102" }))],
     ["damaged", series(() => ({})).map((blob) => blob.slice(0, blob.size - 2))],
   ])("refuses with %s", async (reason, blobs) => {

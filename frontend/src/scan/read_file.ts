@@ -3,7 +3,7 @@ import type { SliceHeader } from "./types";
 
 /** 64 KB hold nearly every header; then 256 KB; then the whole file, up to a bound that no header reaches. */
 const steps = [64 * 1024, 256 * 1024, 64 * 1024 * 1024];
-const inflated_limit = 1024 * 1024;
+const inflated_limit = 16 * 1024 * 1024;
 
 /** Never throws: a bad file must not stop the scan. */
 export async function read_file_header(file: Blob, index: number): Promise<HeaderRead> {
@@ -12,9 +12,9 @@ export async function read_file_header(file: Blob, index: number): Promise<Heade
       const size = Math.min(step, file.size);
       const bytes = new Uint8Array(await file.slice(0, size).arrayBuffer());
       const deflated = deflated_from(bytes);
-      const inflated = deflated === null ? undefined : await inflate(bytes.subarray(deflated));
-      const read = read_header(bytes, index, file.size, inflated);
-      if (read.kind === "header") return { kind: "header", header: await with_end_of_fragments(file, read.header) };
+      if (deflated !== null) return await read_deflated(file.slice(deflated), index, file.size);
+      const read = read_header(bytes, index, file.size);
+      if (read.kind === "headers") return { kind: "headers", headers: await with_end_of_fragments(file, read.headers) };
       if (read.kind !== "more") return read;
       if (size === file.size) break;
     }
@@ -24,40 +24,56 @@ export async function read_file_header(file: Blob, index: number): Promise<Heade
   return { kind: "unreadable" };
 }
 
-const most_fragments = 10_000;
+/** What it unpacks to is a file of its own, without a header, and is what is sent. */
+async function read_deflated(packed: Blob, index: number, file_bytes: number): Promise<HeaderRead> {
+  const bytes = await inflate(packed);
+  const read = read_header(bytes, index, bytes.length);
+  if (read.kind !== "headers") return { kind: "unreadable" };
+  const inflated = new Blob([bytes]);
+  return { kind: "headers", headers: read.headers.map((header) => ({ ...header, file_bytes, inflated })) };
+}
+
+const most_fragments = 100_000;
 
 /** Compressed voxels end where their last fragment does; what comes behind it is not sent. */
-async function with_end_of_fragments(file: Blob, header: SliceHeader): Promise<SliceHeader> {
-  const voxels = header.voxels;
-  if (!voxels?.encapsulated) return header;
+async function with_end_of_fragments(file: Blob, headers: readonly SliceHeader[]): Promise<readonly SliceHeader[]> {
+  const voxels = headers[0]?.voxels;
+  if (!voxels?.encapsulated) return headers;
   let at = voxels.from;
   for (let i = 0; i < most_fragments && at + 8 <= file.size; i++) {
     const item = new DataView(await file.slice(at, at + 8).arrayBuffer());
     const length = item.getUint32(4, true);
     if (item.getUint16(0, true) !== 0xfffe) break;
-    if (item.getUint16(2, true) === 0xe0dd) return { ...header, voxels: { ...voxels, to: at + 8 } };
+    if (item.getUint16(2, true) === 0xe0dd) {
+      const found = { ...voxels, to: at + 8 };
+      return headers.map((header) => ({ ...header, voxels: found }));
+    }
     at += 8 + length;
   }
-  return { ...header, voxels: null, truncated: true };
+  return headers.map((header) => ({ ...header, voxels: null, truncated: true }));
 }
 
-/** The beginning of the inflated bytes: bounded, whatever the file promises. */
-async function inflate(bytes: Uint8Array): Promise<Uint8Array> {
-  const out = new Uint8Array(inflated_limit);
-  let filled = 0;
-  const stream = new Blob([new Uint8Array(bytes)]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
-  const reader = stream.getReader();
+/** The inflated bytes: bounded, whatever the file promises. */
+async function inflate(packed: Blob): Promise<Uint8Array<ArrayBuffer>> {
+  const parts: Uint8Array[] = [];
+  let length = 0;
+  const reader = packed.stream().pipeThrough(new DecompressionStream("deflate-raw")).getReader();
   try {
-    while (filled < out.length) {
+    while (length < inflated_limit) {
       const { done, value } = await reader.read();
       if (done) break;
-      const part = value.subarray(0, out.length - filled);
-      out.set(part, filled);
-      filled += part.length;
+      parts.push(value.subarray(0, inflated_limit - length));
+      length += value.length;
     }
   } catch {
     // The end of the file was cut off: what came before it is used.
   }
   await reader.cancel().catch(() => undefined);
-  return out.subarray(0, filled);
+  const all = new Uint8Array(Math.min(length, inflated_limit));
+  let at = 0;
+  for (const part of parts) {
+    all.set(part, at);
+    at += part.length;
+  }
+  return all;
 }

@@ -1,6 +1,7 @@
-import { upload_part } from "./clean_file";
+import { all_there, Arriving } from "./arriving";
+import { upload_parts } from "./clean_file";
 import { fingerprint } from "./fingerprint";
-import { judge } from "./judge";
+import { is_slice, judge } from "./judge";
 import { read_file_header } from "./read_file";
 import { draw_thumbnail } from "./thumbnail";
 import type { ScanResult, Series, SliceHeader, Thumbnail } from "./types";
@@ -11,38 +12,41 @@ const at_once = 12;
 export type Progress = (done: number, total: number) => void;
 
 /** Looks at every file whatever its name, and sorts what it finds into series. */
-export async function scan_files(files: readonly Blob[], progress: Progress, stopped: () => boolean): Promise<ScanResult> {
+export async function scan_files(given: readonly Blob[] | Arriving, progress: Progress, stopped: () => boolean): Promise<ScanResult> {
+  const arriving = given instanceof Arriving ? given : all_there(given);
+  const { files, total } = arriving;
   const headers: SliceHeader[] = [];
   let not_dicom = 0;
   let unreadable = 0;
   let next = 0;
   let done = 0;
   const worker = async () => {
-    while (next < files.length && !stopped()) {
+    while (next < total && !stopped()) {
       const index = next++;
-      const file = files[index];
+      const file = await arriving.file(index);
       if (!file) continue;
       const read = await read_file_header(file, index);
-      if (read.kind === "header") headers.push(read.header);
+      if (read.kind === "headers") headers.push(...read.headers);
       else if (read.kind === "not_dicom") not_dicom += 1;
       else unreadable += 1;
-      progress(++done, files.length);
+      progress(++done, total);
     }
   };
   await Promise.all(Array.from({ length: at_once }, worker));
-  headers.sort((a, b) => a.file - b.file); // whatever order the disk gave them in
+  headers.sort((a, b) => a.file - b.file || a.frame - b.frame); // whatever order the disk gave them in
   const series: Series[] = [];
-  for (const [key, slices] of by_series(headers)) series.push(await series_of(key, slices, files));
+  const slices_only = headers.filter(is_slice);
+  for (const [key, slices] of by_series(slices_only)) series.push(await series_of(key, slices, files));
   series.sort(by_use);
-  return { series, not_dicom, unreadable, files: files.length };
+  const not_slices = headers.length - slices_only.length;
+  return { series, not_dicom, unreadable, not_slices, files: total };
 }
 
-/** Two patients on one disc are listed apart, even where a faulty device gave them one series. */
+/** Several stacks of an enhanced file are apart as well. Two patients on one disc are listed apart, even where a faulty device gave them one series. */
 function by_series(headers: readonly SliceHeader[]): Map<string, SliceHeader[]> {
   const groups = new Map<string, SliceHeader[]>();
   for (const header of headers) {
-    if (header.sop_class === media_directory) continue; // DICOMDIR: never trusted, never shown
-    const key = `${header.patient.id}\n${header.patient.name}\n${header.study_uid}\n${header.series_uid}`;
+    const key = `${header.patient.id}\n${header.patient.name}\n${header.study_uid}\n${header.series_uid}\n${header.stack}`;
     const group = groups.get(key);
     if (group) group.push(header);
     else groups.set(key, [header]);
@@ -50,13 +54,10 @@ function by_series(headers: readonly SliceHeader[]): Map<string, SliceHeader[]> 
   return groups;
 }
 
-const media_directory = "1.2.840.10008.1.3.10";
-
 async function series_of(key: string, slices: readonly SliceHeader[], files: readonly Blob[]): Promise<Series> {
   const first = slices[0];
   const verdict = judge(slices);
-  const chosen = verdict.suitable ? new Map(slices.map((slice) => [slice.file, slice])) : null;
-  const ordered = verdict.suitable ? verdict.files.flatMap((file) => chosen?.get(file) ?? []) : slices;
+  const ordered = verdict.suitable ? verdict.slices : slices;
   return {
     key,
     description: first?.description ?? "",
@@ -67,14 +68,14 @@ async function series_of(key: string, slices: readonly SliceHeader[], files: rea
     slices: ordered.length,
     verdict,
     thumbnail: verdict.suitable ? await middle_slice(ordered, files) : null,
-    upload: verdict.suitable ? ordered.flatMap((slice, i) => upload_part(slice, i + 1) ?? []) : [],
+    upload: verdict.suitable ? upload_parts(ordered) : [],
     fingerprint: fingerprint(ordered),
   };
 }
 
 async function middle_slice(ordered: readonly SliceHeader[], files: readonly Blob[]): Promise<Thumbnail | null> {
   const slice = ordered[Math.floor(ordered.length / 2)];
-  const file = slice ? files[slice.file] : undefined;
+  const file = slice ? (slice.inflated ?? files[slice.file]) : undefined;
   if (!slice?.pixels || !file) return null;
   try {
     const { offset, length } = slice.pixels;

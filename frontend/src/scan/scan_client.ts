@@ -1,5 +1,5 @@
 import type { Progress } from "./scan";
-import type { FromWorker } from "./scan_worker";
+import type { FromWorker, ToWorker } from "./scan_worker";
 import type { ScanResult } from "./types";
 
 /** Scans in a worker, so that the page stays alive. Aborting ends the worker; the promise then never settles. */
@@ -20,6 +20,22 @@ export function scan_in_worker(files: readonly File[], progress: Progress, signa
       worker.terminate();
       resolve(message.result);
     };
-    worker.postMessage(files);
+    void hand_over(worker, files, signal);
   });
+}
+
+const handed_at_once = 8;
+const longest_ms = 12;
+
+/** Bit by bit: the browser needs about a millisecond for each file, and 3,000 at once would hold the page up for seconds. */
+async function hand_over(worker: Worker, files: readonly File[], signal: AbortSignal): Promise<void> {
+  const say = (message: ToWorker) => worker.postMessage(message);
+  say({ kind: "begin", total: files.length });
+  let began = performance.now();
+  for (let at = 0; at < files.length && !signal.aborted; at += handed_at_once) {
+    say({ kind: "files", files: files.slice(at, at + handed_at_once) });
+    if (performance.now() - began < longest_ms) continue;
+    await new Promise((go_on) => setTimeout(go_on));
+    began = performance.now();
+  }
 }

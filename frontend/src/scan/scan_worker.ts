@@ -1,13 +1,21 @@
+import { Arriving } from "./arriving";
 import { scan_files } from "./scan";
 import type { ScanResult } from "./types";
+
+export type ToWorker = { readonly kind: "begin"; readonly total: number } | { readonly kind: "files"; readonly files: readonly File[] };
 
 export type FromWorker =
   | { readonly kind: "progress"; readonly done: number; readonly total: number }
   | { readonly kind: "result"; readonly result: ScanResult };
 
 const shown_every_ms = 60;
+let arriving: Arriving | null = null;
 
-self.onmessage = (event: MessageEvent<readonly File[]>) => {
+self.onmessage = (event: MessageEvent<ToWorker>) => {
+  if (event.data.kind === "files") {
+    arriving?.add(event.data.files);
+    return;
+  }
   let last = 0;
   const say = (message: FromWorker) => self.postMessage(message);
   const progress = (done: number, total: number) => {
@@ -16,5 +24,6 @@ self.onmessage = (event: MessageEvent<readonly File[]>) => {
     last = now;
     say({ kind: "progress", done, total });
   };
-  void scan_files(event.data, progress, () => false).then((result) => say({ kind: "result", result }));
+  arriving = new Arriving(event.data.total);
+  void scan_files(arriving, progress, () => false).then((result) => say({ kind: "result", result }));
 };

@@ -2,6 +2,10 @@
 export interface SliceHeader {
   /** Index into the files that were picked. */
   readonly file: number;
+  /** Which picture of the file, of one with several that says where each lies. */
+  readonly frame: number;
+  /** Frames of one stack lie behind one another; "" where a file holds one slice. */
+  readonly stack: string;
   readonly file_bytes: number;
   readonly sop_class: string;
   readonly sop_uid: string;
@@ -10,12 +14,15 @@ export interface SliceHeader {
   readonly transfer_syntax: string;
   readonly modality: string;
   readonly image_type: readonly string[];
+  /** Was compressed with loss, which alone makes it "DERIVED". */
+  readonly is_lossy: boolean;
   readonly patient: Patient;
   readonly series_number: number | null;
   readonly description: string;
   readonly body_part: string;
   readonly rows: number;
   readonly columns: number;
+  /** More than one: several pictures of which it is not said where they lie. */
   readonly frames: number;
   readonly samples: number;
   readonly photometric: string;
@@ -23,6 +30,8 @@ export interface SliceHeader {
   readonly bits_stored: number;
   readonly is_signed: boolean;
   readonly has_lookup_table: boolean;
+  /** Whether slope and intercept are said. */
+  readonly has_scale: boolean;
   readonly slope: number;
   readonly intercept: number;
   readonly window: { readonly center: number; readonly width: number } | null;
@@ -32,12 +41,16 @@ export interface SliceHeader {
   readonly position: readonly [number, number, number] | null;
   /** Directions of a row and of a column. */
   readonly orientation: readonly [number, number, number, number, number, number] | null;
+  /** What the file unpacks to, if it is deflated: offsets below are in there. */
+  readonly inflated: Blob | null;
   /** Where the voxels are, when they are plain little-endian bytes in the file. */
   readonly pixels: { readonly offset: number; readonly length: number } | null;
   /** Where the bytes of the voxels are in the file, compressed or not; nothing where they cannot be cut out. */
   readonly voxels: { readonly from: number; readonly to: number; readonly vr: string; readonly encapsulated: boolean } | null;
   /** What may leave the browser besides the voxels. */
   readonly kept: readonly KeptElement[];
+  /** The same of the functional groups, of a file with several pictures: what says where this one lies. */
+  readonly grouped: readonly GroupedElement[];
   /** The file ends before its voxels do. */
   readonly truncated: boolean;
 }
@@ -49,12 +62,19 @@ export interface KeptElement {
   readonly bytes: Uint8Array;
 }
 
+/** An element within a functional group (DICOM PS3.3, C.7.6.16) of an enhanced file. */
+export interface GroupedElement extends KeptElement {
+  readonly group: string;
+}
+
 /** What is sent of a file: a new header, then a piece of the file. */
 export interface UploadPart {
   readonly file: number;
   readonly head: Uint8Array<ArrayBuffer>;
   readonly from: number;
   readonly to: number;
+  /** Instead of the file, if it was deflated. */
+  readonly inflated: Blob | null;
 }
 
 export interface Patient {
@@ -70,30 +90,43 @@ export type Reason =
   | "scout"
   | "views_not_slices"
   | "not_original"
-  | "multi_frame"
   | "no_position"
+  | "no_spacing"
+  | "bad_orientation"
   | "one_position"
+  | "cine"
   | "repeated_position"
+  | "repeated_identifier"
   | "time_series"
   | "mixed"
   | "lookup_table"
-  | "varying_rescale"
+  | "bad_rescale"
+  | "no_rescale"
+  | "pixel_format"
   | "missing_slices"
   | "varying_spacing"
+  | "shifted_slices"
   | "tilted"
   | "unsupported_compression"
   | "damaged"
   | "too_few_slices"
   | "too_short";
 
+/** What will be mended of a suitable series, with how much of it. */
+export type Repair =
+  | { readonly kind: "straightened"; readonly degrees: number }
+  | { readonly kind: "filled_in"; readonly slices: number }
+  | { readonly kind: "varying"; readonly from_mm: number; readonly to_mm: number };
+
 export interface Suitable {
   readonly suitable: true;
-  /** Indices of files, from the first position to the last. */
-  readonly files: readonly number[];
+  /** The slices that are sent, from the first position to the last. */
+  readonly slices: readonly SliceHeader[];
   /** Voxels along a row, along a column, across slices. */
   readonly size: readonly [number, number, number];
   readonly size_mm: readonly [number, number, number];
   readonly left_out: LeftOut;
+  readonly repairs: readonly Repair[];
 }
 
 /** Files of a good series that do not go into the volume. */
@@ -101,6 +134,8 @@ export interface LeftOut {
   readonly scouts: number;
   readonly doubles: number;
   readonly damaged: number;
+  /** Of another size than most. */
+  readonly others: number;
 }
 
 export interface Unsuitable {
@@ -138,5 +173,7 @@ export interface ScanResult {
   /** Files that are no DICOM, or could not be read. */
   readonly not_dicom: number;
   readonly unreadable: number;
+  /** Reports, screenshots, plans and the like: no slices, and never listed. */
+  readonly not_slices: number;
   readonly files: number;
 }

@@ -225,6 +225,21 @@ export class ViewerSession {
     this.set_scene(pose ? with_camera(preset.scene, pose) : preset.scene, true);
   }
 
+  /** Somebody has turned it, or chosen how it is shown, in this session. */
+  get moved(): boolean {
+    return this.client_.input_seq > 0;
+  }
+
+  /** All of it: look, lights, cuts and where one looks from. */
+  show_scene(scene: Scene): void {
+    this.set_scene(scene, true);
+  }
+
+  /** The same with another clip, while a hand moves it or (`rest`) has moved it. */
+  cut_scene(scene: Scene, rest: boolean): void {
+    this.set_scene(scene, rest);
+  }
+
   /** To the view that the preset began with. */
   reset_camera(): void {
     const scene = this.scene.value;

@@ -1,37 +1,23 @@
 import { useEffect, useState } from "preact/hooks";
-import { ApiProblem } from "../api/client";
 import { t } from "../texts/en";
 import { AccountFrame } from "./account_frame";
 import { Field } from "./field";
+import { Form, fault, faults_of, type Faults } from "./form";
 import { Link, navigate } from "./router";
 import { Notice } from "./shell";
 import { useApp } from "./state";
 
-const looks_like_email = (text: string): boolean => /^[^\s@]+@[^\s@]+$/.test(text.trim());
-const shortest_password = 10;
+export const looks_like_email = (text: string): boolean => /^[^\s@]+@[^\s@]+$/.test(text.trim());
+export const shortest_password = 10;
 
-interface Faults {
-  readonly email?: string;
-  readonly password?: string;
-  readonly form?: string;
-}
-
-function faults_of(thrown: unknown, explain: (thrown: unknown) => string): Faults {
-  if (thrown instanceof ApiProblem) {
-    const of = (field: string) => thrown.errors.find((error) => error.field === field)?.message;
-    const email = of("email");
-    const password = of("password");
-    if (email !== undefined || password !== undefined)
-      return { ...(email === undefined ? {} : { email }), ...(password === undefined ? {} : { password }) };
-  }
-  return { form: explain(thrown) };
-}
+type Credentials = "email" | "password";
+const both: readonly Credentials[] = ["email", "password"];
 
 export function SignUp() {
   const app = useApp();
   const [email, set_email] = useState("");
   const [password, set_password] = useState("");
-  const [faults, set_faults] = useState<Faults>({});
+  const [faults, set_faults] = useState<Faults<Credentials>>({});
   const [busy, set_busy] = useState(false);
   const [sent, set_sent] = useState(false);
 
@@ -45,7 +31,7 @@ export function SignUp() {
     );
 
   const submit = async () => {
-    const found: Faults = {
+    const found: Faults<Credentials> = {
       ...(looks_like_email(email) ? {} : { email: email === "" ? t.account.required : t.account.email_wrong }),
       ...(Array.from(password).length >= shortest_password ? {} : { password: t.account.password_short }),
     };
@@ -56,16 +42,16 @@ export function SignUp() {
       await app.api.sign_up(email.trim(), password);
       set_sent(true);
     } catch (thrown) {
-      set_faults(faults_of(thrown, (what) => app.explain(what)));
+      set_faults(faults_of(thrown, both, (what) => app.explain(what)));
     } finally {
       set_busy(false);
     }
   };
   return (
     <AccountFrame title={t.titles.sign_up} lead={t.account.sign_up_lead}>
-      <Form onSubmit={submit} busy={busy} label={t.account.sign_up} {...(faults.form ? { fault: faults.form } : {})}>
-        <Field label={t.account.email} type="email" autocomplete="email" value={email} onInput={set_email} {...(faults.email ? { fault: faults.email } : {})} />
-        <Field label={t.account.password} type="password" autocomplete="new-password" value={password} onInput={set_password} hint={t.account.password_hint} {...(faults.password ? { fault: faults.password } : {})} />
+      <Form onSubmit={submit} busy={busy} label={t.account.sign_up} {...fault(faults.form)}>
+        <Field label={t.account.email} type="email" autocomplete="email" value={email} onInput={set_email} {...fault(faults.email)} />
+        <Field label={t.account.password} type="password" autocomplete="new-password" value={password} onInput={set_password} hint={t.account.password_hint} {...fault(faults.password)} />
       </Form>
       <p class="muted">{t.account.have_one} <Link href="/sign-in">{t.account.sign_in}</Link></p>
     </AccountFrame>
@@ -76,11 +62,11 @@ export function SignIn() {
   const app = useApp();
   const [email, set_email] = useState("");
   const [password, set_password] = useState("");
-  const [faults, set_faults] = useState<Faults>({});
+  const [faults, set_faults] = useState<Faults<Credentials>>({});
   const [busy, set_busy] = useState(false);
 
   const submit = async () => {
-    const found: Faults = {
+    const found: Faults<Credentials> = {
       ...(email === "" ? { email: t.account.required } : {}),
       ...(password === "" ? { password: t.account.required } : {}),
     };
@@ -92,16 +78,17 @@ export function SignIn() {
       if (location.pathname === "/sign-in" || location.pathname === "/sign-up") navigate("/scans", true);
       app.signed_in(me);
     } catch (thrown) {
-      set_faults(faults_of(thrown, (what) => app.explain(what)));
+      set_faults(faults_of(thrown, both, (what) => app.explain(what)));
       set_busy(false);
     }
   };
   return (
     <AccountFrame title={t.titles.sign_in} lead={t.account.sign_in_lead}>
-      <Form onSubmit={submit} busy={busy} label={t.account.sign_in} {...(faults.form ? { fault: faults.form } : {})}>
-        <Field label={t.account.email} type="email" autocomplete="username" value={email} onInput={set_email} {...(faults.email ? { fault: faults.email } : {})} />
-        <Field label={t.account.password} type="password" autocomplete="current-password" value={password} onInput={set_password} {...(faults.password ? { fault: faults.password } : {})} />
+      <Form onSubmit={submit} busy={busy} label={t.account.sign_in} {...fault(faults.form)}>
+        <Field label={t.account.email} type="email" autocomplete="username" value={email} onInput={set_email} {...fault(faults.email)} />
+        <Field label={t.account.password} type="password" autocomplete="current-password" value={password} onInput={set_password} {...fault(faults.password)} />
       </Form>
+      <p class="muted"><Link href="/forgot">{t.account.forgot}</Link></p>
       <p class="muted">{t.account.have_none} <Link href="/sign-up">{t.account.sign_up}</Link></p>
     </AccountFrame>
   );
@@ -130,33 +117,5 @@ export function Verify({ token }: { readonly token: string }) {
       <Notice kind={outcome.ok ? "good" : "bad"}>{outcome.text}</Notice>
       <p><Link href="/sign-in" class="button button-main">{t.account.to_sign_in}</Link></p>
     </AccountFrame>
-  );
-}
-
-interface FormProps {
-  readonly onSubmit: () => Promise<void>;
-  readonly busy: boolean;
-  readonly label: string;
-  readonly fault?: string;
-  readonly children: preact.ComponentChildren;
-}
-
-function Form({ onSubmit, busy, label, fault, children }: FormProps) {
-  return (
-    <form
-      noValidate
-      onSubmit={(event) => {
-        event.preventDefault();
-        const form = event.currentTarget;
-        void onSubmit().then(() => {
-          // Once the faults are on the page: to the first of them.
-          requestAnimationFrame(() => form.querySelector<HTMLElement>("[aria-invalid]")?.focus());
-        });
-      }}
-    >
-      {fault ? <Notice kind="bad">{fault}</Notice> : null}
-      {children}
-      <button type="submit" class="button button-main button-wide" disabled={busy} aria-busy={busy}>{label}</button>
-    </form>
   );
 }

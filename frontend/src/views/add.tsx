@@ -65,20 +65,27 @@ export function Add() {
 function Drop({ onFiles }: { readonly onFiles: (files: File[]) => void }) {
   const [over, set_over] = useState(false);
   const input = useRef<HTMLInputElement>(null);
+  useEffect(() => {
+    // Let go beside the field it counts too: the browser would leave the page and show the file.
+    const allow = (event: DragEvent) => event.preventDefault();
+    const take = (event: DragEvent) => {
+      event.preventDefault();
+      set_over(false);
+      if (event.dataTransfer) void dropped_files(event.dataTransfer).then(onFiles);
+    };
+    addEventListener("dragover", allow);
+    addEventListener("drop", take);
+    return () => {
+      removeEventListener("dragover", allow);
+      removeEventListener("drop", take);
+    };
+  }, [onFiles]);
   return (
     <div
       class={`drop${over ? " drop-over" : ""}`}
-      onDragOver={(event) => {
-        event.preventDefault();
-        set_over(true);
-      }}
+      onDragOver={() => set_over(true)}
       onDragLeave={(event) => {
         if (!event.currentTarget.contains(event.relatedTarget as Node | null)) set_over(false);
-      }}
-      onDrop={(event) => {
-        event.preventDefault();
-        set_over(false);
-        if (event.dataTransfer) void dropped_files(event.dataTransfer).then(onFiles);
       }}
     >
       <Icon name="folder" />

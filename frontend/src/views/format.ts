@@ -19,3 +19,10 @@ export function dicom_date_text(date: string): string {
     new Date(Date.UTC(Number(year), Number(month) - 1, Number(day))),
   );
 }
+
+/** The day and the time of an RFC 3339 instant, as this person writes them. */
+export const date_text = (instant: string): string =>
+  new Intl.DateTimeFormat(undefined, { dateStyle: "medium", timeStyle: "short" }).format(new Date(instant));
+
+/** A time of the server as this person writes days. */
+export const day_text = (time: string): string => new Intl.DateTimeFormat(undefined, { dateStyle: "long" }).format(new Date(time));

@@ -1,33 +1,6 @@
 import { signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-
-export type Route =
-  | { readonly page: "scans" | "add" | "sign_in" | "sign_up" | "not_found" }
-  | { readonly page: "verify" | "join"; readonly token: string }
-  | { readonly page: "view"; readonly data_set_id: string };
-
-export function route_of(path: string, hash: string): Route {
-  const [, first = "", second = ""] = path.split("/");
-  switch (first) {
-    case "":
-    case "scans":
-      return { page: "scans" };
-    case "add":
-      return { page: "add" };
-    case "sign-in":
-      return { page: "sign_in" };
-    case "sign-up":
-      return { page: "sign_up" };
-    case "verify":
-      return { page: "verify", token: new URLSearchParams(hash.slice(1)).get("token") ?? "" };
-    case "join":
-      return /^#[0-9a-f]{64}$/.test(hash) ? { page: "join", token: hash.slice(1) } : { page: "not_found" };
-    case "view":
-      return /^[0-9a-f-]{36}$/.test(second) ? { page: "view", data_set_id: second } : { page: "not_found" };
-    default:
-      return { page: "not_found" };
-  }
-}
+import { route_of, type Route } from "./routes";
 
 const here = () => route_of(location.pathname, location.hash);
 

@@ -1,9 +1,10 @@
 import type { DataSet } from "../api/types";
-import type { UploadView } from "../api/uploads";
+import { is_open, time_left, type UploadView } from "../api/upload_view";
 import { t } from "../texts/en";
-import { Icon } from "./icons";
+import { Icon, type IconName } from "./icons";
 import { Link } from "./router";
 import { Bar } from "./shell";
+import { useApp } from "./state";
 import { use_thumbnail } from "./thumbnail";
 
 export const title_of = (set: DataSet): string => set.title || (set.is_sample ? t.scans.sample_title : t.scans.untitled);
@@ -17,7 +18,7 @@ export interface ScanCardProps {
 export function ScanCard({ set, upload, onRemove }: ScanCardProps) {
   const ready = set.state === "ready";
   const title = title_of(set);
-  const remove = upload && !upload.failed ? t.scans.cancel_upload(title) : t.scans.remove(title);
+  const remove = upload && is_open(upload) ? t.scans.cancel_upload(title) : t.scans.remove(title);
   return (
     <article class={`card card-${set.state}`} data-state={set.state} data-id={set.id}>
       <Picture set={set} />
@@ -26,9 +27,13 @@ export function ScanCard({ set, upload, onRemove }: ScanCardProps) {
         <p class="chips">
           {set.is_sample ? <span class="chip chip-accent">{t.scans.sample}</span> : null}
           {set.is_public && !set.is_sample ? <span class="chip">{t.scans.shared}</span> : null}
+          {set.shared && set.shared.people > 0 ? <span class="chip">{t.sharing.with_people(set.shared.people)}</span> : null}
+          {set.shared && set.shared.links > 0 ? <span class="chip">{t.sharing.with_links(set.shared.links)}</span> : null}
+          {set.taken_down ? <span class="chip chip-refused">{t.sharing.taken_down}</span> : null}
           {set.volume ? <span class="chip">{set.volume.modality}</span> : null}
           {ready ? null : <span class={`chip chip-${set.state}`}>{t.scans.states[set.state]}</span>}
         </p>
+        {set.owned || !set.owner_name ? null : <p class="muted">{t.sharing.gallery.by(set.owner_name)}</p>}
         <Details set={set} upload={upload} />
       </div>
       {set.owned ? (
@@ -40,6 +45,11 @@ export function ScanCard({ set, upload, onRemove }: ScanCardProps) {
   );
 }
 
+/** Where there is no picture of the scan itself. */
+const picture_of_state = {
+  uploading: "upload", queued: "clock", building: "clock", ready: "clock", refused: "alert", expired: "alert",
+} as const satisfies Record<DataSet["state"], IconName>;
+
 function Picture({ set }: { readonly set: DataSet }) {
   const ready = set.state === "ready";
   const url = use_thumbnail(set.id, "bone", ready);
@@ -50,9 +60,9 @@ function Picture({ set }: { readonly set: DataSet }) {
         <img src={url} alt={t.scans.picture(title_of(set))} width={320} height={320} />
       ) : ready ? (
         <span class="visually-hidden">{t.scans.pictures_later}</span>
-      ) : set.state === "refused" || set.state === "expired" ? (
-        <Icon name="alert" />
-      ) : null}
+      ) : (
+        <Icon name={picture_of_state[set.state]} />
+      )}
     </div>
   );
 }
@@ -74,14 +84,26 @@ function Details({ set, upload }: { readonly set: DataSet; readonly upload: Uplo
 }
 
 function UploadDetails({ set, upload }: { readonly set: DataSet; readonly upload: UploadView | null }) {
-  if (upload?.failed) return <p class="card-fault" role="alert">{t.scans.upload_failed}</p>;
+  const app = useApp();
+  if (upload?.phase === "refused") return <p class="card-fault" role="alert">{t.scans.upload.refused[upload.refusal]}</p>;
   if (upload) {
     const part = upload.total > 0 ? upload.sent / upload.total : 0;
-    const text = upload.paused ? t.scans.paused : t.scans.uploading(Math.floor(part * 100));
+    const quiet = upload.phase === "paused" || upload.phase === "waiting";
     return (
       <>
         <Bar value={part} label={t.scans.states.uploading} />
-        <p class="muted" role={upload.paused ? "status" : undefined}>{text}</p>
+        <div class="card-upload">
+          <p class="muted" role={upload.phase === "sending" ? undefined : "status"}>{upload_text(upload, Math.floor(part * 100))}</p>
+          {!is_open(upload) || upload.phase === "waiting" ? null : quiet ? (
+            <button type="button" class="button button-small" aria-label={t.scans.upload.resume_of(title_of(set))} onClick={() => app.uploads.resume(set.id)}>
+              {t.scans.upload.resume}
+            </button>
+          ) : (
+            <button type="button" class="button button-small" aria-label={t.scans.upload.pause_of(title_of(set))} onClick={() => app.uploads.pause(set.id)}>
+              {t.scans.upload.pause}
+            </button>
+          )}
+        </div>
       </>
     );
   }
@@ -90,7 +112,25 @@ function UploadDetails({ set, upload }: { readonly set: DataSet; readonly upload
     <>
       <Bar value={part} label={t.scans.states.uploading} />
       <p class="muted">{t.scans.interrupted(Math.floor(part * 100))}. {t.scans.interrupted_hint}</p>
-      <p><Link href="/add" class="button button-small">{t.scans.go_on}</Link></p>
+      <p><Link href="/add" class="button button-small" label={t.scans.upload.resume_of(title_of(set))}>{t.scans.go_on}</Link></p>
     </>
   );
+}
+
+function upload_text(upload: UploadView, percent: number): string {
+  const text = t.scans.upload;
+  switch (upload.phase) {
+    case "waiting":
+      return text.waiting;
+    case "paused":
+      return text.paused(percent);
+    case "elsewhere":
+      return text.elsewhere(percent);
+    case "hindered":
+      return text.hindered[upload.hindrance];
+    default: {
+      const seconds = time_left(upload);
+      return text.sending(percent, seconds === null ? "" : text.left(seconds));
+    }
+  }
 }

@@ -1,6 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import type { DataSet } from "../api/types";
-import type { UploadView } from "../api/uploads";
+import { is_open, type UploadView } from "../api/upload_view";
 import { t } from "../texts/en";
 import { Dialog } from "./dialog";
 import { bytes_text } from "./format";
@@ -14,8 +14,6 @@ import { use_warm_thumbnails } from "./thumbnail";
 /** So many of the newest are made ready to be opened. */
 const warmed = 4;
 
-const busy_states = new Set(["uploading", "queued", "building"]);
-
 export function Scans() {
   const app = useApp();
   const [sets, set_sets] = useState<readonly DataSet[] | null>(null);
@@ -23,6 +21,7 @@ export function Scans() {
   const [removing, set_removing] = useState<DataSet | null>(null);
   const [round, set_round] = useState(0);
   const uploads = app.uploads.views.value;
+  const open = [...uploads.values()].filter(is_open).length;
 
   useEffect(() => {
     const leaving = new AbortController();
@@ -35,7 +34,9 @@ export function Scans() {
         set_sets(found);
         app.me.value = me;
         set_fault("");
-        if (found.some((set) => busy_states.has(set.state))) wait = 1500;
+        for (const set of found) if (set.state !== "uploading") app.uploads.forget_sent(set.id);
+        const moves = (set: DataSet) => set.state === "queued" || set.state === "building" || app.uploads.views.peek().has(set.id);
+        if (found.some(moves)) wait = 1500;
       } catch (thrown) {
         if (leaving.signal.aborted) return;
         set_fault(app.explain(thrown));
@@ -49,7 +50,7 @@ export function Scans() {
       clearTimeout(timer);
     };
     // An upload that ends changes the list at once.
-  }, [app, round, uploads.size]);
+  }, [app, round, open]);
 
   const remove = async (set: DataSet) => {
     set_removing(null);
@@ -80,15 +81,34 @@ export function Scans() {
       {sets === null && !fault ? <p class="muted" role="status">{t.loading}</p> : null}
       {sets ? <List sets={sets} uploads={uploads} onRemove={set_removing} /> : null}
       {removing ? (
-        <Dialog title={t.scans.remove_title} onClose={() => set_removing(null)}>
-          <p>{t.scans.remove_text(title_of(removing))}</p>
-          <div class="dialog-buttons">
-            <button type="button" class="button" onClick={() => set_removing(null)}>{t.cancel}</button>
-            <button type="button" class="button button-danger" onClick={() => void remove(removing)}>{t.scans.remove_yes}</button>
-          </div>
-        </Dialog>
+        <RemoveDialog
+          set={removing}
+          uploading={removing.state === "uploading"}
+          onNo={() => set_removing(null)}
+          onYes={() => void remove(removing)}
+        />
       ) : null}
     </div>
+  );
+}
+
+interface RemoveDialogProps {
+  readonly set: DataSet;
+  readonly uploading: boolean;
+  readonly onNo: () => void;
+  readonly onYes: () => void;
+}
+
+function RemoveDialog({ set, uploading, onNo, onYes }: RemoveDialogProps) {
+  const text = t.scans;
+  return (
+    <Dialog title={uploading ? text.cancel_title : text.remove_title} onClose={onNo}>
+      <p>{uploading ? text.cancel_text(title_of(set)) : text.remove_text(title_of(set))}</p>
+      <div class="dialog-buttons">
+        <button type="button" class="button" onClick={onNo}>{uploading ? text.cancel_no : t.cancel}</button>
+        <button type="button" class="button button-danger" onClick={onYes}>{uploading ? text.cancel_yes : text.remove_yes}</button>
+      </div>
+    </Dialog>
   );
 }
 
@@ -101,7 +121,8 @@ interface ListProps {
 function List({ sets, uploads, onRemove }: ListProps) {
   use_warm_thumbnails(sets.filter((set) => set.state === "ready").slice(0, warmed).map((set) => set.id));
   const own = sets.filter((set) => set.owned);
-  const others = sets.filter((set) => !set.owned);
+  const shared = sets.filter((set) => !set.owned && !set.is_sample);
+  const samples = sets.filter((set) => !set.owned && set.is_sample);
   const card = (set: DataSet) => (
     <li key={set.id}>
       <ScanCard set={set} upload={uploads.get(set.id) ?? null} onRemove={() => onRemove(set)} />
@@ -117,12 +138,21 @@ function List({ sets, uploads, onRemove }: ListProps) {
           <Link href="/add" class="button button-main">{t.scans.add}</Link>
         </section>
       ) : (
-        <ul class="cards" aria-label={t.scans.list}>{own.map(card)}</ul>
+        <section>
+          <h2 class="visually-hidden">{t.scans.list}</h2>
+          <ul class="cards">{own.map(card)}</ul>
+        </section>
       )}
-      {others.length > 0 ? (
+      {shared.length > 0 ? (
+        <section class="others">
+          <h2>{t.sharing.with_me}</h2>
+          <ul class="cards">{shared.map(card)}</ul>
+        </section>
+      ) : null}
+      {samples.length > 0 ? (
         <section class="others">
           <h2>{t.scans.examples}</h2>
-          <ul class="cards">{others.map(card)}</ul>
+          <ul class="cards">{samples.map(card)}</ul>
         </section>
       ) : null}
     </>

@@ -1,5 +1,6 @@
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { ApiProblem } from "../api/client";
+import { SentElsewhere } from "../api/uploads";
 import { bundle_size } from "../scan/bundle";
 import { part_blobs } from "../scan/clean_file";
 import type { ScanResult, Series, Suitable, Thumbnail } from "../scan/types";
@@ -60,6 +61,7 @@ export function SeriesList({ files, result, onAgain }: SeriesListProps) {
 
 function Rest({ result }: { readonly result: ScanResult }) {
   const lines = [
+    result.not_slices > 0 ? t.add.not_slices(result.not_slices) : "",
     result.not_dicom > 0 ? t.add.others(result.not_dicom) : "",
     result.unreadable > 0 ? t.add.unreadable(result.unreadable) : "",
   ].filter(Boolean);
@@ -69,6 +71,7 @@ function Rest({ result }: { readonly result: ScanResult }) {
 function Nothing({ result, hidden }: { readonly result: ScanResult; readonly hidden: number }) {
   if (result.files === 0) return <Notice kind="bad">{t.add.nothing_empty}</Notice>;
   if (hidden > 0) return <Notice kind="bad">{t.add.nothing_hint}</Notice>;
+  if (result.not_slices > 0) return <Notice kind="bad">{t.add.only_reports}</Notice>;
   if (result.unreadable > 0) return <Notice kind="bad">{t.add.unreadable(result.unreadable)}</Notice>;
   return <Notice kind="bad">{t.add.nothing_no_dicom(result.files)}</Notice>;
 }
@@ -84,24 +87,35 @@ function SeriesCard({ series, verdict, files }: SeriesCardProps) {
   const [title, set_title] = useState("");
   const [busy, set_busy] = useState(false);
   const [fault, set_fault] = useState("");
-  const chosen = part_blobs(series.upload, files);
-  const bytes = bundle_size(chosen.map((file) => file.size));
+  const [interrupted_at, set_interrupted_at] = useState<number | null>(null);
+  // Without making the pieces: a disc has thousands, and they are needed only when it is sent.
+  const bytes = useMemo(() => bundle_size(series.upload.map((part) => part.head.length + part.to - part.from)), [series]);
+
+  useEffect(() => {
+    void app.uploads
+      .interrupted(series.fingerprint, bytes)
+      .then((earlier) => set_interrupted_at(earlier ? Math.floor((100 * earlier.received) / bytes) : null))
+      .catch(() => undefined); // asked again when the upload begins
+  }, [app, series.fingerprint, bytes]);
+  const quota = app.me.value?.quota;
+  const free = quota ? Math.max(0, quota.bytes - quota.used_bytes) : Infinity;
+  const too_much = interrupted_at === null && bytes > free ? t.add.over_quota(bytes_text(bytes), bytes_text(free)) : "";
 
   const upload = async () => {
     set_busy(true);
     set_fault("");
     try {
-      await app.uploads.start(chosen, title.trim(), series.fingerprint);
+      await app.uploads.start(part_blobs(series.upload, files), title.trim(), series.fingerprint);
       navigate("/scans");
     } catch (thrown) {
-      set_fault(fault_text(thrown, bytes));
+      set_fault(fault_text(thrown));
       set_busy(false);
     }
   };
-  const fault_text = (thrown: unknown, needs: number): string => {
-    const quota = app.me.value?.quota;
-    if (thrown instanceof ApiProblem && thrown.kind === "over-quota" && quota)
-      return t.add.over_quota(bytes_text(needs), bytes_text(Math.max(0, quota.bytes - quota.used_bytes)));
+  const fault_text = (thrown: unknown): string => {
+    if (thrown instanceof SentElsewhere) return t.add.sent_elsewhere;
+    if (thrown instanceof ApiProblem && thrown.kind === "over-quota" && free < bytes) return t.add.over_quota(bytes_text(bytes), bytes_text(free));
+    if (thrown instanceof ApiProblem && thrown.kind === "storage-full") return t.add.storage_full;
     if (thrown instanceof ApiProblem && thrown.kind === "upload-too-large") return t.add.too_large;
     return app.explain(thrown);
   };
@@ -121,7 +135,7 @@ function SeriesCard({ series, verdict, files }: SeriesCardProps) {
           <Icon name="shield" />
           <span>{[series.patient.name || t.add.patient_unknown, born ? t.add.born(born) : "", series.patient.id].filter(Boolean).join(" · ")}</span>
         </p>
-        <p class="muted">{[t.add.slices(verdict.size[2]), t.add.size(x, y, z), bytes_text(bytes), ...t.add.left_out(verdict.left_out)].join(" · ")}</p>
+        <p class="muted">{[t.add.slices(verdict.size[2]), t.add.size(x, y, z), bytes_text(bytes), ...t.add.left_out(verdict.left_out), ...verdict.repairs.map(t.add.repair)].join(" · ")}</p>
         <form
           class="series-form"
           onSubmit={(event) => {
@@ -129,10 +143,16 @@ function SeriesCard({ series, verdict, files }: SeriesCardProps) {
             void upload();
           }}
         >
-          <Field label={t.add.title} value={title} onInput={set_title} most={80} placeholder={t.add.title_example} hint={t.add.title_hint} />
-          <button type="submit" class="button button-main" disabled={busy} aria-busy={busy}>{busy ? t.add.starting : t.add.upload}</button>
+          {interrupted_at === null ? (
+            <Field label={t.add.title} value={title} onInput={set_title} most={80} placeholder={t.add.title_example} hint={t.add.title_hint} />
+          ) : (
+            <p>{t.add.go_on_text(interrupted_at)}</p>
+          )}
+          <button type="submit" class="button button-main" disabled={busy} aria-busy={busy}>
+            {busy ? t.add.starting : interrupted_at === null ? t.add.upload : t.add.go_on}
+          </button>
         </form>
-        {fault ? <Notice kind="bad">{fault}</Notice> : null}
+        {fault || too_much ? <Notice kind="bad">{fault || too_much}</Notice> : null}
       </div>
     </article>
   );

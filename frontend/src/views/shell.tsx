@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import { is_open } from "../api/upload_view";
 import { t } from "../texts/en";
 import { Icon, Mark } from "./icons";
 import { Link, navigate, route } from "./router";
@@ -9,9 +10,22 @@ import { theme, toggle_theme } from "./theme";
 export function ThemeSwitch() {
   const label = theme.value === "dark" ? t.theme.to_light : t.theme.to_dark;
   return (
-    <button type="button" class="icon-button" aria-label={label} title={label} onClick={toggle_theme}>
+    <button type="button" class="icon-button theme-switch" aria-label={label} title={label} onClick={toggle_theme}>
       <Icon name={theme.value === "dark" ? "sun" : "moon"} />
     </button>
+  );
+}
+
+/** How far the uploads are, on whatever page one is. */
+function UploadLine() {
+  const open = [...useApp().uploads.views.value.values()].filter(is_open);
+  if (open.length === 0) return null;
+  const [sent, total] = open.reduce(([s, a], view) => [s + view.sent, a + view.total], [0, 0]);
+  return (
+    <Link href="/scans" class="bar-upload">
+      <progress max={total} value={sent} aria-hidden="true" />
+      <span>{t.scans.upload.all(open.length, Math.floor((100 * sent) / Math.max(1, total)))}</span>
+    </Link>
   );
 }
 
@@ -34,13 +48,23 @@ export function Shell({ children }: { readonly children: ComponentChildren }) {
           <nav class="bar-nav" aria-label={t.name}>
             <Link href="/scans" current={route.value.page === "scans"}>{t.nav.scans}</Link>
             <Link href="/add" current={route.value.page === "add"}>{t.nav.add}</Link>
+            <Link href="/gallery" current={route.value.page === "gallery"}>{t.sharing.gallery.nav}</Link>
+            {me.administrator ? <Link href="/admin" current={route.value.page === "admin"}>{t.nav.admin}</Link> : null}
           </nav>
-        ) : null}
+        ) : (
+          <nav class="bar-nav" aria-label={t.name}>
+            <Link href="/gallery" current={route.value.page === "gallery"}>{t.sharing.gallery.nav}</Link>
+          </nav>
+        )}
         <div class="bar-end">
+          {me ? <UploadLine /> : null}
           <ThemeSwitch />
           {me ? (
             <>
-              <span class="bar-who" title={t.nav.signed_in_as(me.email)}>{me.email}</span>
+              <Link href="/account" class="bar-account" label={`${t.nav.account}: ${me.email}`} current={route.value.page === "account"}>
+                <Icon name="person" />
+                <span class="bar-who">{me.email}</span>
+              </Link>
               <button type="button" class="icon-button" aria-label={t.nav.sign_out} title={t.nav.sign_out} onClick={() => {
                 void app.sign_out().catch(() => undefined).then(() => navigate("/sign-in"));
               }}>

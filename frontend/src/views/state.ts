@@ -59,6 +59,8 @@ export function problem_text(problem: ApiProblem): string {
       return t.problems.wrong_credentials;
     case "unverified":
       return t.problems.unverified;
+    case "disabled":
+      return t.problems.disabled;
     case "link-expired":
       return t.problems.link_expired;
     case "too-many-attempts":

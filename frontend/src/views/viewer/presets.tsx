@@ -10,7 +10,7 @@ export function Presets({ session }: { readonly session: ViewerSession }) {
   const active = session.active_preset();
   if (presets.length === 0) return null;
   return (
-    <div class="glass presets" role="group" aria-label={t.viewer.presets}>
+    <div class="glass presets" role="region" aria-label={t.viewer.presets}>
       {presets.map((preset, i) => (
         <PresetButton key={preset.name} session={session} preset={preset} digit={i + 1} pressed={preset === active} />
       ))}

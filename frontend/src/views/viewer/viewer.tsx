@@ -1,4 +1,5 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import type { Region } from "../../cut/region";
 import type { DataSet } from "../../api/types";
 import { attach_gestures } from "../../input/attach";
 import { command_of, type KeyCommand } from "../../input/keys";
@@ -10,9 +11,11 @@ import { chosen_codecs, probe_codecs } from "../../video/ladder";
 import { Painter } from "../../video/painter";
 import { probe_stills } from "../../video/tile_pixels";
 import { ViewerSession } from "../../video/viewer_session";
+import { CutPanel } from "../cut/cut_panel";
 import { Icon } from "../icons";
 import { Link } from "../router";
 import { title_of } from "../scan_card";
+import { ShareScanDialog } from "../share_scan";
 import { useApp } from "../state";
 import { ThemeSwitch } from "../shell";
 import { HelpDialog } from "./help_dialog";
@@ -21,6 +24,7 @@ import { OrientationCube } from "./orientation_cube";
 import { Presets } from "./presets";
 import { QualityPanel } from "./quality_panel";
 import { RecordedInteraction, RecordingDialog } from "./recording";
+import { DefaultPreset, SavedPresets } from "./saved_presets";
 import { ShareDialog } from "./share_dialog";
 import { StatusLine } from "./status_line";
 
@@ -32,20 +36,25 @@ export function OwnViewer({ data_set_id }: { readonly data_set_id: string }) {
   useEffect(() => {
     app.api.data_set(data_set_id).then(set_set, () => undefined); // the stream says what is wrong
   }, [app, data_set_id]);
-  return <Viewer place={place} title={set ? title_of(set) : ""} />;
+  return <Viewer place={place} title={set ? title_of(set) : ""} set={set} onChange={set_set} />;
 }
 
 export interface ViewerProps {
   readonly place: Place;
   readonly title: string;
+  /** Of a person with an account: what is known of the scan. */
+  readonly set?: DataSet | null;
+  readonly onChange?: (set: DataSet) => void;
+  /** The picture is there to be cut: what is to be kept, of the volume with that hash. */
+  readonly onCut?: (region: Region, volume_hash: string) => void;
 }
 
-export function Viewer({ place, title }: ViewerProps) {
+export function Viewer({ place, title, set = null, onChange = () => undefined, onCut }: ViewerProps) {
   const page = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const [session, set_session] = useState<ViewerSession | null>(null);
   const [fault, set_fault] = useState("");
-  const [open, set_open] = useState<"help" | "share" | "recording" | null>(null);
+  const [open, set_open] = useState<"help" | "share" | "recording" | "scan" | "presets" | null>(null);
   const own = place.data_set_id !== null;
   const role = role_of(session?.audience.value ?? null);
 
@@ -141,6 +150,16 @@ export function Viewer({ place, title }: ViewerProps) {
               <Icon name="record" />
             </button>
           ) : null}
+          {set ? (
+            <button type="button" class="icon-button tool-presets" aria-label={t.presets.open} title={t.presets.open} onClick={() => set_open("presets")}>
+              <Icon name="star" />
+            </button>
+          ) : null}
+          {set?.owned ? (
+            <button type="button" class="icon-button tool-scan" aria-label={t.sharing.open} title={t.sharing.open} onClick={() => set_open("scan")}>
+              <Icon name="globe" />
+            </button>
+          ) : null}
           <button type="button" class="icon-button tool-share" aria-label={role.others > 0 ? t.live.open_here(role.others + 1) : t.live.open} title={t.live.open} onClick={() => set_open("share")}>
             <Icon name="people" />
             {role.others > 0 ? <span class="count">{role.others + 1}</span> : null}
@@ -153,12 +172,16 @@ export function Viewer({ place, title }: ViewerProps) {
       {session ? (
         <>
           <OrientationCube session={session} />
-          {role.presents ? <Presets session={session} /> : null}
-          <QualityPanel session={session} />
+          {onCut && place.data_set_id !== null ? <CutPanel session={session} data_set_id={place.data_set_id} onConfirm={onCut} /> : null}
+          {role.presents && !onCut ? <Presets session={session} /> : null}
+          {onCut ? null : <QualityPanel session={session} />}
         </>
       ) : null}
       {open === "help" ? <HelpDialog onClose={() => set_open(null)} /> : null}
       {open === "share" && session ? <ShareDialog session={session} role={role} owner={own} onClose={() => set_open(null)} /> : null}
+      {open === "scan" && set ? <ShareScanDialog set={set} onChange={onChange} onClose={() => set_open(null)} /> : null}
+      {open === "presets" && set && session ? <SavedPresets session={session} set={set} onClose={() => set_open(null)} /> : null}
+      {session && place.data_set_id !== null && role.presents && !onCut ? <DefaultPreset session={session} data_set_id={place.data_set_id} /> : null}
       {open === "recording" ? <RecordingDialog onClose={() => set_open(null)} /> : null}
       {own && session ? <RecordedInteraction session={session} /> : null}
     </div>

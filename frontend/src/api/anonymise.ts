@@ -1,0 +1,26 @@
+import type { RegionBody } from "../cut/region";
+import type { Send } from "./sharing";
+import type { DataSetState } from "./types";
+
+/** The answer of GET and POST /v1/data-sets/{id}/anonymise. */
+export interface Anonymise {
+  readonly state: DataSetState;
+  readonly volume_hash: string | null;
+  readonly anonymised_at: string | null;
+  readonly problem: string | null;
+  readonly head: { readonly found: boolean; readonly sign: string; readonly proposal: RegionBody | null } | null;
+}
+
+export class AnonymiseApi {
+  constructor(private readonly send: Send) {}
+
+  async look(id: string): Promise<Anonymise> {
+    return (await (await this.send("GET", `/v1/data-sets/${id}/anonymise`)).json()) as Anonymise;
+  }
+
+  /** For good. `volume_hash` of the volume that was looked at. */
+  async cut(id: string, keep: RegionBody, volume_hash: string): Promise<Anonymise> {
+    const body = { keep, volume_hash, confirm: "this cannot be undone" };
+    return (await (await this.send("POST", `/v1/data-sets/${id}/anonymise`, body)).json()) as Anonymise;
+  }
+}

@@ -1,0 +1,125 @@
+import type { DataSet, DataSetLink, GalleryQuestion, Page, PresetInfo, Report, SavedPreset, SharedPerson, Visit } from "./types";
+
+/** Sends a request with the token of the sign-in; rejects with ApiProblem. */
+export type Send = (method: string, path: string, body?: unknown, init?: RequestInit) => Promise<Response>;
+
+const read = async <T>(response: Promise<Response>): Promise<T> => (await (await response).json()) as T;
+
+/** The routes of api/openapi.yaml with the tag `sharing`, one function each. */
+export class SharingApi {
+  constructor(private readonly send: Send) {}
+
+  describe(id: string, what: { title?: string; description?: string; body_part?: string | null }): Promise<DataSet> {
+    return read(this.send("PATCH", `/v1/data-sets/${id}`, what));
+  }
+
+  set_visibility(id: string, visibility: "private" | "public"): Promise<DataSet> {
+    return read(this.send("POST", `/v1/data-sets/${id}/visibility`, { visibility }));
+  }
+
+  async people(id: string): Promise<readonly SharedPerson[]> {
+    return (await read<Page<SharedPerson>>(this.send("GET", `/v1/data-sets/${id}/people`))).items;
+  }
+
+  async share_with(id: string, email: string, may: "view" | "save"): Promise<void> {
+    await this.send("POST", `/v1/data-sets/${id}/people`, { email, may });
+  }
+
+  async unshare(id: string, person: string): Promise<void> {
+    await this.send("DELETE", `/v1/data-sets/${id}/people/${person}`);
+  }
+
+  async links(id: string): Promise<readonly DataSetLink[]> {
+    return (await read<Page<DataSetLink>>(this.send("GET", `/v1/data-sets/${id}/links`))).items;
+  }
+
+  make_link(id: string, hours: number): Promise<DataSetLink & { readonly path: string }> {
+    return read(this.send("POST", `/v1/data-sets/${id}/links`, { hours }));
+  }
+
+  async end_link(id: string, link: string): Promise<void> {
+    await this.send("DELETE", `/v1/data-sets/${id}/links/${link}`);
+  }
+
+  gallery(question: GalleryQuestion, cursor: string | null, signal?: AbortSignal): Promise<Page<DataSet>> {
+    const query = new URLSearchParams();
+    for (const [name, value] of Object.entries(question) as [string, string][]) if (value.trim() !== "") query.set(name, value.trim());
+    if (cursor !== null) query.set("cursor", cursor);
+    return read(this.send("GET", `/v1/gallery?${query.toString()}`, undefined, signal ? { signal } : {}));
+  }
+
+  /** What a link leads to. No account is needed. */
+  follow(token: string): Promise<{ readonly data_set: DataSet; readonly expires_at: string }> {
+    return read(this.send("POST", "/v1/follow", { token }));
+  }
+
+  /** No account is needed. */
+  visit(what: { readonly token: string } | { readonly data_set_id: string }, key: string, signal?: AbortSignal): Promise<Visit> {
+    return read(this.send("POST", "/v1/visits", { ...what, key }, signal ? { signal } : {}));
+  }
+
+  async report(id: string, reason: string, words: string): Promise<void> {
+    await this.send("POST", `/v1/data-sets/${id}/reports`, { reason, words });
+  }
+
+  /** These three: of administrators. */
+  async reports(): Promise<readonly Report[]> {
+    return (await read<Page<Report>>(this.send("GET", "/v1/reports"))).items;
+  }
+
+  async dismiss(report: string): Promise<void> {
+    await this.send("DELETE", `/v1/reports/${report}`);
+  }
+
+  async take_down(id: string, reason: string): Promise<void> {
+    await this.send("POST", `/v1/data-sets/${id}/take-down`, { reason });
+  }
+
+  async public_name(): Promise<string> {
+    return (await read<{ public_name: string }>(this.send("GET", "/v1/me/public-name"))).public_name;
+  }
+
+  async set_public_name(public_name: string): Promise<void> {
+    await this.send("PATCH", "/v1/me/public-name", { public_name });
+  }
+}
+
+/** The routes with the tag `presets`. A change says by `etag` which version it is about. */
+export class PresetsApi {
+  constructor(private readonly send: Send) {}
+
+  async list(data_set: string): Promise<readonly PresetInfo[]> {
+    return (await read<Page<PresetInfo>>(this.send("GET", `/v1/data-sets/${data_set}/presets`))).items;
+  }
+
+  get(id: string): Promise<SavedPreset> {
+    return read(this.send("GET", `/v1/presets/${id}`));
+  }
+
+  save(data_set: string, name: string, scene: object): Promise<SavedPreset> {
+    return read(this.send("POST", `/v1/data-sets/${data_set}/presets`, { name, scene, version: 1 }));
+  }
+
+  change(preset: PresetInfo, what: { name?: string; scene?: object }): Promise<SavedPreset> {
+    return read(this.send("PATCH", `/v1/presets/${preset.id}`, what, { headers: { "If-Match": preset.etag } }));
+  }
+
+  async remove(preset: PresetInfo): Promise<void> {
+    await this.send("DELETE", `/v1/presets/${preset.id}`, undefined, { headers: { "If-Match": preset.etag } });
+  }
+
+  async vote(preset: PresetInfo, value: -1 | 0 | 1): Promise<void> {
+    await this.send("POST", `/v1/presets/${preset.id}/vote`, { value });
+  }
+
+  async set_default(data_set: string, preset: PresetInfo | null): Promise<void> {
+    await this.send("POST", `/v1/data-sets/${data_set}/default-preset`, { preset_id: preset?.id ?? null });
+  }
+
+  /** The exchange format (docs/presets.md). */
+  import_xml(data_set: string, xml: Blob): Promise<SavedPreset> {
+    return read(this.send("POST", `/v1/data-sets/${data_set}/presets/xml`, xml, { headers: { "Content-Type": "application/xml" } }));
+  }
+}
+
+export const preset_xml_path = (id: string): string => `/v1/presets/${id}/xml`;

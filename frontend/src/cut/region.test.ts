@@ -1,0 +1,84 @@
+import { expect, test } from "vitest";
+import { vec3 } from "../input/vec3";
+import { bounds_of, dragged, from_proposal, handles, moved, on_screen, part_that_goes, plane_in_box, place_of, range_of, to_body, whole } from "./region";
+
+const bounds = bounds_of({ size: [100, 200, 50], spacing: [1, 1, 4], direction: [1, 0, 0, 0, 1, 0, 0, 0, 1] });
+const front = { eye: vec3(0, -500, 0), target: vec3(0, 0, 0), up: vec3(0, 0, 1), verticalFovDegrees: 30 };
+const screen = { width: 800, height: 600 };
+
+test("the bounds of a turned volume hold all of it", () => {
+  expect(bounds).toEqual({ low: vec3(-50, -100, -100), high: vec3(50, 100, 100) });
+  const c = Math.SQRT1_2;
+  const turned = bounds_of({ size: [100, 100, 10], spacing: [1, 1, 1], direction: [c, -c, 0, c, c, 0, 0, 0, 1] });
+  expect(turned.high.x).toBeCloseTo(100 * c, 6);
+  expect(turned.high.z).toBe(5);
+});
+
+test("what the server proposes is what it is told again", () => {
+  const down = (50 * Math.PI) / 180;
+  const normal = [0, -Math.cos(down), -Math.sin(down)];
+  const region = from_proposal({ box: { low: [-50, -100, -100], high: [50, 100, 100] }, planes: [{ point: [3, -20, -30], normal }] }, bounds);
+  expect(region.plane.tilt).toBeCloseTo(50, 9);
+  const plane = to_body(region).planes?.[0];
+  const side = (p: readonly number[]) => p.reduce((sum, v, i) => sum + v * (normal[i] ?? 0), 0);
+  expect(side(plane?.point ?? [])).toBeCloseTo(side([3, -20, -30]), 9);
+  expect(to_body(whole(bounds)).planes).toEqual([]);
+});
+
+test("no handle leaves the scan, and the box never closes", () => {
+  for (const handle of handles) {
+    for (const to of [-9999, 9999]) {
+      const region = moved(handle, to, whole(bounds), bounds);
+      for (const axis of ["x", "y", "z"] as const) {
+        expect(region.low[axis]).toBeGreaterThanOrEqual(bounds.low[axis]);
+        expect(region.high[axis]).toBeLessThanOrEqual(bounds.high[axis]);
+        expect(region.high[axis] - region.low[axis]).toBeGreaterThanOrEqual(10);
+      }
+      const range = range_of(handle, region, bounds);
+      expect(region.plane.offset).toBeGreaterThanOrEqual(-1000);
+      expect(range.at).toBeGreaterThanOrEqual(range.low);
+    }
+  }
+});
+
+test("the middle is in the middle of the picture, left of the patient on its right, up is up", () => {
+  const middle = on_screen(front, screen, vec3(0, 0, 0));
+  expect(middle?.x).toBeCloseTo(400, 6);
+  expect(middle?.y).toBeCloseTo(300, 6);
+  const left = on_screen(front, screen, vec3(10, 0, 0));
+  const up = on_screen(front, screen, vec3(0, 0, 10));
+  expect(left?.x).toBeGreaterThan(400);
+  expect(up?.y).toBeLessThan(300);
+  expect(on_screen(front, screen, vec3(0, -600, 0))).toBeNull();
+});
+
+test("a handle stays under the hand that drags it", () => {
+  const handle = { kind: "face", axis: "z", side: "high" } as const;
+  const region = whole(bounds);
+  const at = place_of(handle, region);
+  if (!at) throw new Error("no place");
+  const by = dragged(front, screen, at.place, at.along, { x: 0, y: 40 }) ?? 0;
+  const after = moved(handle, 100 + by, region, bounds);
+  const before_px = on_screen(front, screen, at.place), after_px = on_screen(front, screen, place_of(handle, after)?.place ?? at.place);
+  expect((after_px?.y ?? 0) - (before_px?.y ?? 0)).toBeCloseTo(40, 3);
+  // Towards the viewer no pixel means anything.
+  const middle = place_of({ kind: "face", axis: "y", side: "low" }, region);
+  expect(middle && dragged(front, screen, middle.place, middle.along, { x: 5, y: 5 })).toBeNull();
+});
+
+test("the plane's polygon lies in the plane and in the box", () => {
+  const region = { ...whole(bounds), plane: { on: true, tilt: 50, offset: 20 } };
+  const points = plane_in_box(region);
+  expect(points.length).toBe(4);
+  for (const p of points) {
+    expect(-Math.cos((50 * Math.PI) / 180) * p.y - Math.sin((50 * Math.PI) / 180) * p.z).toBeCloseTo(20, 6);
+    expect(Math.abs(p.x)).toBeLessThanOrEqual(50);
+  }
+  expect(plane_in_box({ ...region, plane: { ...region.plane, offset: 999 } })).toEqual([]);
+});
+
+test("how much goes is said about right", () => {
+  expect(part_that_goes(whole(bounds), bounds)).toBe(0);
+  expect(part_that_goes(moved({ kind: "face", axis: "z", side: "high" }, 0, whole(bounds), bounds), bounds)).toBeCloseTo(0.5, 6);
+  expect(part_that_goes({ ...whole(bounds), plane: { on: true, tilt: 0, offset: 0 } }, bounds)).toBeCloseTo(0.5, 6);
+});

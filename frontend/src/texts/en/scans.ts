@@ -1,0 +1,66 @@
+import type { Hindrance } from "../../api/upload";
+import type { UploadRefusal } from "../../api/upload_view";
+import { count } from "./counting";
+
+/** My scans: the cards and what can be done with them. */
+export const scans = {
+  lead_empty: "Bring a scan: a folder or disc from your hospital, with files in the DICOM format.",
+  empty: "No scans yet",
+  add: "Add a scan",
+  list: "Your scans",
+  examples: "Examples",
+  used: (used: string, all: string) => `${used} of ${all} used`,
+  untitled: "Untitled scan",
+  sample_title: "Sample scan",
+  sample: "Sample",
+  shared: "Public",
+  open: (title: string) => `Open ${title}`,
+  remove: (title: string) => `Delete ${title}`,
+  remove_title: "Delete this scan?",
+  remove_text: (title: string) => `“${title}” and everything made of it will be gone for good. Your own copy of the disc is not touched.`,
+  remove_yes: "Delete",
+  upload: {
+    sending: (percent: number, left: string) => (left ? `${percent} %, ${left}` : `${percent} %`),
+    waiting: "Waits for the other uploads.",
+    paused: (percent: number) => `Paused at ${percent} %.`,
+    elsewhere: (percent: number) => `${percent} %, in another window.`,
+    hindered: {
+      connection: "Connection lost. The upload goes on by itself.",
+      storage_full: "The server has no room left just now. What has arrived is kept, and the upload tries again every minute.",
+    } satisfies Record<Hindrance, string>,
+    refused: {
+      expired: "The upload was left for too long and has expired. Delete it and upload the scan again.",
+      gone: "This upload was deleted, here or on another device.",
+      too_large: "The server takes no upload of this size.",
+      signed_out: "You were signed out. Sign in, choose the same folder again, and the upload goes on where it stopped.",
+      other: "The upload was refused. Delete it and try again.",
+    } satisfies Record<UploadRefusal, string>,
+    pause: "Pause",
+    resume: "Go on",
+    pause_of: (title: string) => `Pause the upload of ${title}`,
+    resume_of: (title: string) => `Go on with the upload of ${title}`,
+    left: (seconds: number) =>
+      seconds < 50 ? "less than a minute left" : seconds < 3300 ? `about ${count(Math.round(seconds / 60), "minute", "minutes")} left` : `about ${count(Math.round(seconds / 3600), "hour", "hours")} left`,
+    all: (uploads: number, percent: number) => `${count(uploads, "upload", "uploads")}, ${percent} %`,
+  },
+  interrupted: (percent: number) => `Interrupted at ${percent} %`,
+  interrupted_hint: "Choose the same folder again and the upload goes on where it stopped. The browser may not open it by itself: that protects your files.",
+  go_on: "Go on",
+  cancel_upload: (title: string) => `Cancel the upload of ${title}`,
+  cancel_title: "Cancel this upload?",
+  cancel_text: (title: string) => `What has arrived of “${title}” is deleted at once. Your own copy of the disc is not touched.`,
+  cancel_yes: "Cancel the upload",
+  cancel_no: "Keep uploading",
+  states: {
+    uploading: "Uploading",
+    queued: "Waiting its turn",
+    building: "Being prepared",
+    ready: "Ready",
+    refused: "Cannot be shown",
+    expired: "Upload expired",
+  },
+  expired_hint: "The upload was not finished in time. Delete it and try again.",
+  repaired: (repairs: readonly string[]) => `Mended: ${repairs.join("; ")}`,
+  picture: (title: string) => `Picture of ${title}`,
+  pictures_later: "The picture is being made",
+} as const;

@@ -1,0 +1,127 @@
+import { useEffect, useState } from "preact/hooks";
+import { t } from "../texts/en";
+import { looks_like_email, shortest_password } from "./account";
+import { AccountFrame } from "./account_frame";
+import { Field } from "./field";
+import { Form, fault, faults_of, type Faults } from "./form";
+import { Link } from "./router";
+import { Notice } from "./shell";
+import { useApp } from "./state";
+
+/** A forgotten password: a link is mailed, whoever has an account. */
+export function Forgot() {
+  const app = useApp();
+  const [email, set_email] = useState("");
+  const [faults, set_faults] = useState<Faults<"email">>({});
+  const [busy, set_busy] = useState(false);
+  const [sent, set_sent] = useState(false);
+
+  if (sent)
+    return (
+      <AccountFrame title={t.titles.check_mail}>
+        <Notice kind="good">{t.account.forgot_sent(email.trim())}</Notice>
+        <p class="muted">{t.account.mail_hint}</p>
+        <p><Link href="/sign-in" class="button">{t.account.to_sign_in}</Link></p>
+      </AccountFrame>
+    );
+  const submit = async () => {
+    if (!looks_like_email(email)) {
+      set_faults({ email: email === "" ? t.account.required : t.account.email_wrong });
+      return;
+    }
+    set_busy(true);
+    try {
+      await app.api.request_password_reset(email.trim());
+      set_sent(true);
+    } catch (thrown) {
+      set_faults(faults_of(thrown, ["email"], (what) => app.explain(what)));
+    } finally {
+      set_busy(false);
+    }
+  };
+  return (
+    <AccountFrame title={t.titles.forgot} lead={t.account.forgot_lead}>
+      <Form onSubmit={submit} busy={busy} label={t.account.forgot_send} {...fault(faults.form)}>
+        <Field label={t.account.email} type="email" autocomplete="username" value={email} onInput={set_email} {...fault(faults.email)} />
+      </Form>
+      <p class="muted"><Link href="/sign-in">{t.account.to_sign_in}</Link></p>
+    </AccountFrame>
+  );
+}
+
+/** Where the link of that mail leads. */
+export function Reset({ token }: { readonly token: string }) {
+  const app = useApp();
+  const [kept] = useState(token);
+  const [password, set_password] = useState("");
+  const [faults, set_faults] = useState<Faults<"password">>({});
+  const [busy, set_busy] = useState(false);
+  const [done, set_done] = useState(false);
+  useEffect(() => {
+    // It opens the account; it need not stay in the address and the history.
+    history.replaceState(null, "", "/reset");
+  }, []);
+
+  if (done)
+    return (
+      <AccountFrame title={t.titles.reset}>
+        <Notice kind="good">{t.account.reset_done}</Notice>
+        <p><Link href="/sign-in" class="button button-main">{t.account.to_sign_in}</Link></p>
+      </AccountFrame>
+    );
+  const submit = async () => {
+    if (Array.from(password).length < shortest_password) {
+      set_faults({ password: t.account.password_short });
+      return;
+    }
+    set_faults({});
+    set_busy(true);
+    try {
+      await app.api.reset_password(kept, password);
+      app.me.value = null;
+      set_done(true);
+    } catch (thrown) {
+      set_faults(faults_of(thrown, ["password"], (what) => app.explain(what)));
+    } finally {
+      set_busy(false);
+    }
+  };
+  return (
+    <AccountFrame title={t.titles.reset} lead={t.account.reset_lead}>
+      {kept === "" ? <Notice kind="bad">{t.account.verify_no_token}</Notice> : (
+        <Form onSubmit={submit} busy={busy} label={t.account.reset} {...fault(faults.form)}>
+          <Field label={t.account.new_password} type="password" autocomplete="new-password" value={password} onInput={set_password} hint={t.account.password_hint} {...fault(faults.password)} />
+        </Form>
+      )}
+      <p class="muted"><Link href="/forgot">{t.account.ask_again}</Link></p>
+    </AccountFrame>
+  );
+}
+
+/** Where the link mailed to a new address leads. */
+export function ConfirmEmail({ token }: { readonly token: string }) {
+  const app = useApp();
+  const [outcome, set_outcome] = useState<{ ok: boolean; text: string } | null>(null);
+  useEffect(() => {
+    history.replaceState(null, "", "/confirm-email");
+    if (token === "") {
+      set_outcome({ ok: false, text: t.account.verify_no_token });
+      return;
+    }
+    app.api.confirm_email(token).then(
+      () => {
+        set_outcome({ ok: true, text: t.account.email_changed });
+        void app.load();
+      },
+      (thrown: unknown) => set_outcome({ ok: false, text: app.explain(thrown) }),
+    );
+  }, [app, token]);
+  if (!outcome)
+    return <AccountFrame title={t.titles.confirm_email}><p class="muted" role="status">{t.account.confirming_email}</p></AccountFrame>;
+  return (
+    <AccountFrame title={outcome.ok ? t.titles.confirm_email : t.account.verify_failed}>
+      <Notice kind={outcome.ok ? "good" : "bad"}>{outcome.text}</Notice>
+      <p><Link href="/account" class="button button-main">{t.nav.account}</Link></p>
+    </AccountFrame>
+  );
+}

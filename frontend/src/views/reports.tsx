@@ -1,0 +1,69 @@
+import { useEffect, useState } from "preact/hooks";
+import type { Report } from "../api/types";
+import { t } from "../texts/en";
+import { Dialog } from "./dialog";
+import { Field } from "./field";
+import { date_text } from "./format";
+import { Link } from "./router";
+import { Notice, PageTitle } from "./shell";
+import { useApp } from "./state";
+
+/** For an administrator: what people said is wrong with public scans. */
+export function Reports() {
+  const app = useApp();
+  const [reports, set_reports] = useState<readonly Report[] | null>(null);
+  const [taking, set_taking] = useState<Report | null>(null);
+  const [reason, set_reason] = useState("");
+  const [fault, set_fault] = useState("");
+  const text = t.sharing.reports;
+
+  const load = () => app.api.sharing.reports().then(set_reports, (thrown: unknown) => set_fault(app.explain(thrown)));
+  useEffect(() => void load(), [app]);
+  const act = (work: Promise<void>) => {
+    set_fault("");
+    work.then(load, (thrown: unknown) => set_fault(app.explain(thrown)));
+  };
+  const take_down = (report: Report) => {
+    set_taking(null);
+    act(app.api.sharing.take_down(report.data_set_id, reason.trim()));
+  };
+  return (
+    <div class="page">
+      <div>
+        <PageTitle text={text.title} />
+        <p class="muted">{text.lead}</p>
+      </div>
+      {fault ? <Notice kind="bad">{fault}</Notice> : null}
+      {reports === null && !fault ? <p class="muted" role="status">{t.loading}</p> : null}
+      {reports?.length === 0 ? <p role="status">{text.none}</p> : null}
+      <ul class="saved-presets" aria-label={text.title}>
+        {reports?.map((report) => (
+          <li key={report.id} data-report-id={report.id}>
+            <p><strong>{t.sharing.report.reasons[report.reason]}</strong> <small class="muted">{date_text(report.created_at)}</small></p>
+            {report.words ? <p class="card-description">{report.words}</p> : null}
+            <div class="saved-acts">
+              {report.title ? <Link class="button button-small" href={`/view/${report.data_set_id}`} label={t.sharing.gallery.open(report.title)}>{t.sharing.gallery.open(report.title)}</Link> : <span class="muted">{text.is_private}</span>}
+              {report.title && !report.taken_down ? (
+                <button type="button" class="button button-small button-danger" aria-label={text.take_down_of(report.title)} onClick={() => {
+                  set_reason("");
+                  set_taking(report);
+                }}>{text.take_down}</button>
+              ) : null}
+              <button type="button" class="button button-small" aria-label={text.dismiss_of(report.title)} onClick={() => act(app.api.sharing.dismiss(report.id))}>{text.dismiss}</button>
+            </div>
+          </li>
+        ))}
+      </ul>
+      {taking ? (
+        <Dialog title={text.take_down_of(taking.title)} onClose={() => set_taking(null)}>
+          <p>{text.take_down_lead}</p>
+          <Field label={text.reason} value={reason} onInput={set_reason} most={500} hint={text.reason_hint} />
+          <div class="dialog-buttons">
+            <button type="button" class="button" onClick={() => set_taking(null)}>{t.cancel}</button>
+            <button type="button" class="button button-danger" disabled={reason.trim() === ""} onClick={() => take_down(taking)}>{text.take_down}</button>
+          </div>
+        </Dialog>
+      ) : null}
+    </div>
+  );
+}
