@@ -43,6 +43,7 @@ class _Way:
     link: Link
     chance: random.Random
     counts: Counts
+    record: bytearray | None = None
     waiting: int = 0
     free_at: float = 0.0  # when the link has sent what it has
     last_there: float = 0.0
@@ -52,6 +53,8 @@ class _Way:
     async def take(self, reader: asyncio.StreamReader) -> None:
         loop = asyncio.get_running_loop()
         while data := await reader.read(PACKET):
+            if self.record is not None:
+                self.record += data
             while self.waiting + len(data) > self.link.buffer_bytes:
                 self.room.clear()
                 await self.room.wait()
@@ -79,7 +82,8 @@ class _Way:
             self.room.set()
             # On the wire it takes no room; the next packet follows while this one travels.
             loop.call_at(there_at, self.deliver, writer, data)
-        await asyncio.sleep(self.link.round_trip_s)
+        # The last may have been lost, and be there a round trip later than others.
+        await asyncio.sleep(max(0.0, self.last_there - loop.time()) + 0.001)
         if not writer.is_closing():
             writer.close()
 
@@ -93,9 +97,12 @@ class SlowNetwork:
     """Runs in a thread of its own until it is closed."""
 
     def __init__(self, target_port: int, round_trip_s: float = 0.0, bits_per_s: float = 0.0,
-                 buffer_bytes: int = 32 << 10, loss: float = 0.0, seed: int = 1, socks: bool = False):
-        """`socks`: a browser is led here by --proxy-server=socks5://..., and every address it asks for is the target."""
-        self.socks = socks
+                 buffer_bytes: int = 32 << 10, loss: float = 0.0, seed: int = 1, socks: bool = False,
+                 record: bool = False):
+        """`socks`: a browser is led here by --proxy-server=socks5://..., and every address it asks for is the target.
+        `record`: what viewers send is kept in `sent`, a bytearray a connection."""
+        self.socks, self.record = socks, record
+        self.sent: list[bytearray] = []
         self.link = Link(round_trip_s, bits_per_s, buffer_bytes, loss)
         self.target_port = target_port
         self.to_viewer, self.to_server = Counts(), Counts()
@@ -153,7 +160,9 @@ class SlowNetwork:
         for end in (writer, to_server):
             end.get_extra_info("socket").setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         down = _Way(self.link, self.chance_, self.to_viewer)
-        up = _Way(self.link, self.chance_, self.to_server)
+        up = _Way(self.link, self.chance_, self.to_server, bytearray() if self.record else None)
+        if up.record is not None:
+            self.sent.append(up.record)
         work = [down.take(from_server), down.give(writer), up.take(reader), up.give(to_server)]
         try:
             await asyncio.gather(*work)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -33,15 +34,15 @@ def test_a_folder_without_dicom_is_refused_in_words(person: Person, tmp_path: Pa
 def test_three_slices_are_refused_with_their_number(person: Person, cranium: Path, tmp_path: Path):
     some_slices(cranium, tmp_path / "few", 3)
     person.choose_folder(tmp_path / "few")
-    expect(person.page.get_by_text("Too few slices: 3, and 16 are needed for a volume.")).to_be_visible()
+    expect(person.page.get_by_text("Too few slices: 3, and 16 are needed to show depth.")).to_be_visible()
 
 
 def test_a_scout_alone_is_refused_as_a_scout(person: Person, cranium: Path, tmp_path: Path):
     for path in some_slices(cranium, tmp_path / "scout", 2):
         path.write_bytes(with_image_type(path.read_bytes(), b"ORIGINAL\\PRIMARY\\LOCALIZER"))
     person.choose_folder(tmp_path / "scout")
-    expect(person.page.get_by_role("heading", name="Nothing here can become a volume")).to_be_visible()
-    expect(person.page.get_by_text("This is a scout (a picture to plan the scan by), not a volume.")).to_be_visible()
+    expect(person.page.get_by_role("heading", name="No scan here that can be shown")).to_be_visible()
+    expect(person.page.get_by_text("This is a scout: a picture that the scan was planned by.")).to_be_visible()
 
 
 def test_a_dropped_folder_is_looked_into(person: Person, cranium: Path, tmp_path: Path):
@@ -70,9 +71,10 @@ def test_a_scan_over_the_quota_is_refused_with_both_sizes(person: Person, craniu
 
 def test_a_truncated_slice_in_the_middle_is_missed(person: Person, cranium: Path, tmp_path: Path):
     slices = some_slices(cranium, tmp_path / "torn")
-    slices[50].write_bytes(slices[50].read_bytes()[:20_000])
+    for torn in slices[50:54]:  # one more than is filled in
+        torn.write_bytes(torn.read_bytes()[:20_000])
     person.choose_folder(tmp_path / "torn")
-    expect(person.page.get_by_text("1 slice is missing within the series; copy the disc again.")).to_be_visible()
+    expect(person.page.get_by_text("4 slices are missing within the series; copy the disc again.")).to_be_visible()
 
 
 def test_a_tiny_file_that_claims_a_huge_picture_stops_nothing(person: Person, cranium: Path, tmp_path: Path):
@@ -104,12 +106,118 @@ def test_a_cut_upload_goes_on_by_itself_and_after_a_reload(person: Person, crani
 
     page.reload()
     expect(person.card("Cut head")).to_contain_text(re.compile(r"Interrupted at \d\d %"))
+    expect(person.card("Cut head")).to_contain_text("Choose the same folder again")
     cut["on"] = False
     offsets.clear()
-    person.upload(cranium, "Cut head")
+    person.choose_folder(cranium)
+    expect(page.get_by_text(re.compile(r"was interrupted at \d\d %\. What has arrived is not sent again"))).to_be_visible()
+    page.get_by_role("button", name="Go on with the upload").click()
     expect(person.card("Cut head")).to_have_attribute("data-state", "ready", timeout=60_000)
     expect(person.card("Cut head")).to_have_count(1)  # the same data set went on
     assert offsets == ["8388608"]
+
+
+class Dam:
+    """Lets the first part of each upload pass and holds the others until it is opened."""
+
+    def __init__(self, page: Page):
+        self.page, self.held, self.open = page, [], False
+        page.route("**/v1/uploads/*", self.maybe_hold)
+
+    def maybe_hold(self, route) -> None:
+        if self.open or route.request.method != "PATCH" or route.request.headers.get("upload-offset") == "0":
+            route.continue_()
+        else:
+            self.held.append(route)
+
+    def opens(self) -> None:
+        self.open = True
+        for route in self.held:
+            try:
+                route.continue_()
+            except Exception:  # noqa: BLE001 - what the page has given up meanwhile
+                pass
+
+
+def test_an_upload_is_paused_goes_on_and_is_cancelled(person: Person, cranium: Path):
+    page, stack = person.page, person.stack
+    dam = Dam(page)
+    person.upload(cranium, "Paused head")
+    card = person.card("Paused head")
+    expect(card).to_contain_text(re.compile(r"[5-9]\d %"))
+    upload = stack.data_dir / "uploads" / f"{card.get_attribute('data-id')}.tar"
+    page.get_by_role("button", name="Pause the upload of Paused head").click()
+    expect(card).to_contain_text(re.compile(r"Paused at \d\d %\."))
+    dam.opens()
+    offsets = watch_parts(page)
+    # On another page it is still there, and the bar says so on every page.
+    page.get_by_role("link", name="Add a scan").first.click()
+    expect(page.get_by_role("link", name=re.compile("1 upload, "))).to_be_visible()
+    page.get_by_role("link", name=re.compile("1 upload, ")).click()
+    assert offsets == []
+    page.get_by_role("button", name="Go on with the upload of Paused head").click()
+    expect(card).to_have_attribute("data-state", "ready", timeout=90_000)
+    assert offsets == ["8388608"]
+    assert not upload.exists()
+
+    dam = Dam(page)
+    person.upload(cranium, "Unwanted head")
+    card = person.card("Unwanted head")
+    expect(card).to_contain_text(re.compile(r"[5-9]\d %"))
+    upload = stack.data_dir / "uploads" / f"{card.get_attribute('data-id')}.tar"
+    assert upload.exists()
+    page.get_by_role("button", name="Cancel the upload of Unwanted head").click()
+    page.get_by_role("dialog").get_by_role("button", name="Keep uploading").click()
+    page.get_by_role("button", name="Cancel the upload of Unwanted head").click()
+    page.get_by_role("dialog").get_by_role("button", name="Cancel the upload").click()
+    expect(card).to_have_count(0)
+    stack.wait_until(lambda: not upload.exists(), what="the file's disposal")
+
+
+def test_several_uploads_go_on_side_by_side_and_another_window_sees_them(person: Person, cranium: Path, tmp_path: Path):
+    page = person.page
+    dam = Dam(page)
+    person.upload(cranium, "First head")
+    some_slices(cranium, tmp_path / "other", 80)
+    # By the page's own links: the upload goes on while one looks at other pages.
+    page.get_by_role("link", name="Add a scan").first.click()
+    page.get_by_label("Choose a folder").set_input_files(tmp_path / "other")
+    page.get_by_label("Your name for this scan").fill("Second head")
+    page.get_by_role("button", name="Upload", exact=True).click()
+    for title in ("First head", "Second head"):
+        expect(person.card(title)).to_contain_text(re.compile(r"[5-9]\d %"))
+    person.stack.wait_until(lambda: page.wait_for_timeout(50) or len(dam.held) == 2, what="both at once, each at its second part")
+
+    second = page.context.new_page()
+    second.goto(person.stack.url + "/scans")
+    for title in ("First head", "Second head"):
+        expect(second.locator("article.card", has_text=title)).to_contain_text(re.compile(r"\d\d %, in another window"))
+    second.goto(person.stack.url + "/add")
+    second.get_by_label("Choose a folder").set_input_files(cranium)
+    second.get_by_role("button", name="Go on with the upload").click()
+    expect(second.get_by_role("alert")).to_contain_text("being uploaded in another window")
+    second.close()
+
+    dam.opens()
+    for title in ("First head", "Second head"):
+        expect(person.card(title)).to_have_attribute("data-state", "ready", timeout=90_000)
+
+
+def test_a_full_disk_is_said_and_the_upload_goes_on_when_there_is_room(person: Person, cranium: Path):
+    """A limit on the size of the server's files stands for the full disk: a part is written up to it, then refused."""
+    page, stack = person.page, person.stack
+    limit_files(stack, "9000000")
+    try:
+        person.upload(cranium, "Large head")
+        expect(person.card("Large head")).to_contain_text("The server has no room left just now. What has arrived is kept")
+        upload = stack.data_dir / "uploads" / f"{person.card('Large head').get_attribute('data-id')}.tar"
+        assert upload.stat().st_size == 8388608  # nothing is left of the part that found no room
+    finally:
+        limit_files(stack, "unlimited")
+    # A minute is long for a test; who does not want to wait either has these two.
+    page.get_by_role("button", name="Pause the upload of Large head").click()
+    page.get_by_role("button", name="Go on with the upload of Large head").click()
+    expect(person.card("Large head")).to_have_attribute("data-state", "ready", timeout=90_000)
 
 
 def test_each_part_carries_its_checksum(person: Person, cranium: Path):
@@ -151,8 +259,14 @@ def drop(page: Page, folder: Path) -> None:
     devtools.detach()
 
 
+def limit_files(stack: TestStack, most_bytes: str) -> None:
+    """How large the files of api may grow, from now on; the hard limit stays."""
+    command = ["prlimit", "--pid", str(stack.pids["api"]), f"--fsize={most_bytes}:"]
+    subprocess.run(command, check=True, **stack.stack.run_as.popen())
+
+
 def watch_parts(page: Page) -> list[str]:
     offsets: list[str] = []
-    page.on("request", lambda request: offsets.append(request.headers["upload-offset"])
+    page.on("request", lambda request: offsets.append(request.headers.get("upload-offset", ""))
             if request.method == "PATCH" else None)
     return offsets

@@ -63,7 +63,7 @@ def test_an_answer_takes_a_round_trip():
             assert time.monotonic() - begin >= 0.1
 
 
-@pytest.mark.parametrize("loss", [0.0, 0.3])
+@pytest.mark.parametrize("loss", [0.0, 0.3, 1.0])
 def test_nothing_is_faster_than_the_link_and_a_loss_costs_a_round_trip(loss: float):
     size = 100_000
     with SlowNetwork(Server(size).port, round_trip_s=0.05, bits_per_s=4e6, loss=loss) as network, \

@@ -46,10 +46,10 @@ def forget_attempts(stack: TestStack) -> None:
     stack.psql("DELETE FROM attempts")
 
 
-def link_token(stack: TestStack, email: str) -> str:
-    """The token of the newest link mailed to that address."""
-    mails = stack.wait_until(lambda: [m for m in stack.mails(email) if "#token=" in m.get_content()], what="the mail")
-    found = re.search(r"(\S+)/verify#token=([0-9a-f]{64})\s", mails[-1].get_content())
+def link_token(stack: TestStack, email: str, page: str = "verify") -> str:
+    """The token of the newest link to that page mailed to that address."""
+    mails = stack.wait_until(lambda: [m for m in stack.mails(email) if f"/{page}#token=" in m.get_content()], what="the mail")
+    found = re.search(rf"(\S+)/{page}#token=([0-9a-f]{{64}})\s", mails[-1].get_content())
     assert found and found[1] == stack.url
     return found[2]
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import base64
 import io
 import os
 import subprocess
 import tarfile
 import uuid
 from pathlib import Path
+
+from canaries import Search
 
 CANARY = "Canary7f3a"
 BIRTH_DATE = "19370413"
@@ -79,25 +80,6 @@ def nothing_left(stack, data_set: str) -> None:
     assert [f.name for f in (stack.data_dir / "volumes").iterdir() if f.name.startswith(".tmp-")] == []
 
 
-def forms(text: str) -> list[bytes]:
-    """A text as it may hide in a file: UTF-8, UTF-16, hexadecimal, base64 at each of the three offsets."""
-    plain = text.encode()
-    found = [plain, text.encode("utf-16-le"), text.encode("utf-16-be"), plain.hex().encode(), plain.hex().upper().encode()]
-    for shift in range(3):
-        coded = base64.b64encode(b"\0" * shift + plain)
-        # Characters that depend on what stands before or behind the text are cut off.
-        found.append(coded[(0, 2, 3)[shift]:len(coded) // 4 * 4 - 4])
-    return found
-
-
 def hiding_places(root: Path, text: str) -> list[str]:
     """Files below `root` that hold `text` in any form, or have it in their names."""
-    wanted = forms(text)
-    hits = []
-    for path in root.rglob("*"):
-        if text in path.name:
-            hits.append(f"{path} (name)")
-        if path.is_file():
-            data = path.read_bytes()
-            hits += [f"{path} ({number})" for number, form in enumerate(wanted) if form in data]
-    return hits
+    return Search([text]).below(root)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import os
+import subprocess
 
 import httpx
 import pytest
@@ -89,8 +91,82 @@ def test_discovery_says_what_is_spoken(api):  # noqa: F811
     answer = client(api).options("/v1/uploads")
     assert answer.status_code == 204
     assert answer.headers["tus-version"] == "1.0.0"
-    assert set(answer.headers["tus-extension"].split(",")) == {"checksum", "expiration", "termination"}
+    assert set(answer.headers["tus-extension"].split(",")) == {"creation", "checksum", "expiration", "termination"}
     assert answer.headers["tus-checksum-algorithm"] == "sha1,sha256"
+
+
+def metadata(**said: str | bytes) -> str:
+    pairs = {name: value if isinstance(value, bytes) else value.encode() for name, value in said.items()}
+    return ",".join(f"{name} {base64.b64encode(value).decode()}" for name, value in pairs.items())
+
+
+def test_an_upload_is_created_by_tus_alone(api, one):  # noqa: F811
+    said = metadata(title="Knie, links", filename="Mustermann.tar", filetype="application/x-tar")
+    answer = one.http.post("/v1/uploads", headers={**TUS, "Upload-Length": "1000", "Upload-Metadata": said})
+    assert answer.status_code == 201 and answer.headers["upload-offset"] == "0" and "upload-expires" in answer.headers
+    url = answer.headers["location"]
+    made = one.http.get(f"/v1/data-sets/{url.rsplit('/', 1)[1]}").json()
+    assert made["title"] == "Knie, links" and made["upload"]["bytes"] == 1000 and made["state"] == "uploading"
+    assert one.patch(url, 0, b"x" * 1000).status_code == 204
+    assert one.http.get(f"/v1/data-sets/{made['id']}").json()["state"] == "queued"
+    # The same key asks for the same upload, whoever asks twice.
+    key = {**TUS, "Upload-Length": "7", "Idempotency-Key": os.urandom(8).hex()}
+    assert one.http.post("/v1/uploads", headers=key).headers["location"] == one.http.post("/v1/uploads", headers=key).headers["location"]
+
+
+@pytest.mark.parametrize("headers, status, kind", [
+    ({}, 422, "invalid"),
+    ({"Upload-Length": "0"}, 422, "invalid"),
+    ({"Upload-Length": "many"}, 422, "invalid"),
+    ({"Upload-Defer-Length": "1"}, 422, "invalid"),
+    ({"Upload-Length": "10", "Upload-Metadata": "title !"}, 422, "invalid"),
+    ({"Upload-Length": "10", "Upload-Metadata": "\x7f"}, 422, "invalid"),
+    ({"Upload-Length": "10", "Upload-Metadata": metadata(title="a" * 81)}, 422, "invalid"),
+    ({"Upload-Length": "10", "Upload-Metadata": metadata(title="a\nb")}, 422, "invalid"),
+    ({"Upload-Length": "10", "Upload-Metadata": metadata(title=b"\xff\xfe")}, 422, "invalid"),
+    ({"Upload-Length": "10", "Upload-Metadata": metadata(filetype="application/zip")}, 415, "media-type"),
+    ({"Upload-Length": str(9 * 2**30)}, 413, "upload-too-large"),
+    ({"Upload-Length": "10", "Tus-Resumable": "0.2.2"}, 412, "tus-version"),
+])
+def test_what_cannot_become_an_upload_is_refused_before_the_first_byte(api, one, headers, status, kind):  # noqa: F811
+    before = len(one.http.get("/v1/data-sets", params={"limit": 100}).json()["items"])
+    problem(one.http.post("/v1/uploads", headers={**TUS, **headers}), status, kind)
+    assert len(one.http.get("/v1/data-sets", params={"limit": 100}).json()["items"]) == before
+
+
+def test_a_full_disk_is_said_and_nothing_is_left_behind(stack_factory):
+    """A small file system of its own where that can be had; else a limit on the size of the server's files stands for it."""
+    stack = stack_factory(only=("postgres", "redis", "api", "edge"), extra_env={"DIAPHANE_DISK_RESERVE_MB": "0"})
+    folder = stack.data_dir / "uploads"
+    small = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=20m,mode=0777", "tmpfs", folder], capture_output=True).returncode == 0
+    try:
+        anna = person(stack)
+        data = os.urandom(2 * PART)
+        first, second = anna.data_set(len(data)), anna.data_set(len(data))
+        if small:
+            problem(anna.announce(30_000_000), 507, "storage-full")    # before the first byte
+        else:
+            subprocess.run(["prlimit", "--pid", str(stack.pids["api"]), f"--fsize={PART + 1000}:"], check=True, **stack.stack.run_as.popen())
+        assert anna.patch(first["upload_url"], 0, data[:PART]).status_code == 204
+        if small:
+            assert anna.patch(second["upload_url"], 0, data[:PART]).status_code == 204
+        refused = anna.patch(first["upload_url"], PART, data[PART:])
+        assert "kept" in problem(refused, 507, "storage-full")["detail"] and int(refused.headers["retry-after"]) > 0
+        assert anna.offset(first["upload_url"]) == PART
+        assert (folder / f"{first['data_set']['id']}.tar").stat().st_size == PART
+        # Room is made, and it goes on; what is given up leaves nothing.
+        if small:
+            assert anna.http.delete(second["upload_url"], headers=TUS).status_code == 204
+            stack.wait_until(lambda: len(os.listdir(folder)) == 1, what="the disposal")
+        else:
+            subprocess.run(["prlimit", "--pid", str(stack.pids["api"]), "--fsize=unlimited:"], check=True, **stack.stack.run_as.popen())
+        assert anna.patch(first["upload_url"], PART, data[PART:]).status_code == 204
+        assert (folder / f"{first['data_set']['id']}.tar").read_bytes() == data
+        assert anna.http.delete(f"/v1/data-sets/{first['data_set']['id']}").status_code == 204
+        stack.wait_until(lambda: os.listdir(folder) == [] or not small, what="the disposal")
+    finally:
+        if small:
+            subprocess.run(["umount", "--lazy", folder], check=True)
 
 
 def test_a_terminated_upload_is_gone_from_disk_too(api, one):  # noqa: F811
@@ -218,7 +294,7 @@ def test_the_sample_goes_the_same_way_and_is_everybodys_to_see(api, one):  # noq
     seen = one.http.get(f"/v1/data-sets/{sample}").json()
     assert seen["is_public"] and seen["is_sample"] and not seen["owned"]
     assert sample in [item["id"] for item in one.http.get("/v1/data-sets", params={"limit": 100}).json()["items"]]
-    problem(one.http.delete(f"/v1/data-sets/{sample}"), 404, "not-found")
+    problem(one.http.delete(f"/v1/data-sets/{sample}"), 403, "forbidden")
     assert sample in [item["id"] for item in sampler.get("/v1/data-sets").json()["items"]]
     sampler.headers["Authorization"] = "Bearer " + "0" * 64
     problem(sampler.post("/v1/data-sets", json={"bytes": 100}), 401, "unauthenticated")

@@ -60,9 +60,9 @@ def run(name: str | None, json_file: Path | None, quick: bool, rest: Sequence[st
         raise HouseError(f"no bench '{name}'; there are: {', '.join(sorted(known))}", 64)
     bench = importlib.import_module(f"{benches.__name__}.{known[name]}")
     options = _own_options(bench, name, rest)
-    if not _in_venv():
+    if not in_venv():
         install.ensure("bench")
-        return _again_in_venv()
+        return again_in_venv()
     build.build_programs(*getattr(bench, "PROGRAMS", ()))
     if getattr(bench, "PAGE", False):
         build.build_page()
@@ -85,11 +85,11 @@ def _own_options(bench: ModuleType, name: str, rest: Sequence[str]) -> argparse.
     return parser.parse_args(list(rest))
 
 
-def _in_venv() -> bool:
+def in_venv() -> bool:
     return Path(sys.prefix).resolve() == paths.VENV.resolve()
 
 
-def _again_in_venv() -> int:
+def again_in_venv() -> int:
     """The same command with the libraries of .tools/venv (WebSocket client, Protobuf)."""
     os.execv(paths.VENV_PYTHON, [str(paths.VENV_PYTHON), str(paths.TOOLS / "house"), *sys.argv[1:]])
 

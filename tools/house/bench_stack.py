@@ -7,7 +7,7 @@ import os
 import shutil
 import tempfile
 from pathlib import Path
-from typing import Iterator
+from typing import Iterable, Iterator
 
 from . import layout, ports, users
 from .stack import Stack
@@ -24,16 +24,16 @@ def folder(run_as: users.RunAs) -> Iterator[Path]:
         shutil.rmtree(made, ignore_errors=True)
 
 
-def prepared(base: Path, engine: str = "auto", **extra_env: str) -> Stack:
-    """Not started yet; the same `base` gives a stack on the same data."""
+def prepared(base: Path, engine: str = "auto", only: Iterable[str] | None = None, **extra_env: str) -> Stack:
+    """Not started yet; the same `base` gives a stack on the same data. `only`: those programs alone."""
     run_as = users.ordinary_user()
-    return Stack(data=base / "data", ports=ports.random_free(), run_as=run_as, engine=engine, extra_env=extra_env,
+    return Stack(data=base / "data", ports=ports.random_free(), run_as=run_as, engine=engine, only=only, extra_env=extra_env,
                  layout=layout.reachable(run_as, base / "app"))
 
 
 @contextlib.contextmanager
-def running(engine: str = "auto", **extra_env: str) -> Iterator[Stack]:
-    with folder(users.ordinary_user()) as base, prepared(base, engine, **extra_env) as stack:
+def running(engine: str = "auto", only: Iterable[str] | None = None, **extra_env: str) -> Iterator[Stack]:
+    with folder(users.ordinary_user()) as base, prepared(base, engine, only, **extra_env) as stack:
         yield stack
 
 

@@ -65,14 +65,22 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument("--only", metavar="NAME", action="append", help="only this check (repeatable)")
     with_data(command("sample", _sample, "load the sample scan once more; --write-dicom FOLDER: write it as a scanner would",
                       rest=True))
-    command("scan", _tool("diaphane-scan"), "FOLDER [--json]: the series in a folder, and which are suitable", rest=True)
+    with_data(command("admin", _admin, "grant EMAIL | revoke EMAIL | list: who is an administrator", rest=True))
+    command("scan", _tool("diaphane-scan"), "FOLDER [--json] [--build VOLUME]: the series in a folder, and which are suitable", rest=True)
     command("render", _tool("diaphane-render"), "INPUT ...: render a picture without a server (--help)", rest=True)
     command("replay", _replay, "FILE (--link LINK | --scan SCAN --out FOLDER): recorded interaction, played again", rest=True)
+    fuzz = command("fuzz", _fuzz, "any bytes to what reads uploads and stored volumes, with sanitizers (libFuzzer)")
+    fuzz.add_argument("target", nargs="?", metavar="TARGET", help="precheck, codestream, tar, report or volume (default: all)")
+    fuzz.add_argument("--seconds", type=int, default=60, metavar="N", help="for each target (default 60)")
+    fuzz.add_argument("--minimise", action="store_true", help="then keep the fewest files that reach as much, in tests/fuzz/corpus")
     bench = command("bench", _bench, "measure; without a name: which measurements there are")
     bench.add_argument("name", nargs="?")
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the results there")
     bench.add_argument("--quick", action="store_true", help="fewer repetitions")
     bench.set_defaults(takes_rest=True)    # a measurement may have options of its own
+    pictures = command("screenshots", _screenshots, "FOLDER: a picture of every page at three sizes, light and dark, to be looked at")
+    pictures.add_argument("folder", type=Path)
+    pictures.add_argument("--only", default="", metavar="TEXT", help="only pages with this in their name (person-scans, nobody-sign-in, ...)")
     commands.add_parser("help", help="this").set_defaults(run=lambda *_: parser.print_help() or 0)
     return parser
 
@@ -135,6 +143,18 @@ def _sample(options: argparse.Namespace, rest: list[str]) -> int:
     return tools.sample(_data(options), rest)
 
 
+def _screenshots(options: argparse.Namespace, _: list[str]) -> int:
+    from . import screenshots
+
+    return screenshots.run(options.folder.resolve(), options.only)
+
+
+def _admin(options: argparse.Namespace, rest: list[str]) -> int:
+    from . import admin
+
+    return admin.run(_data(options), rest)
+
+
 def _tool(name: str):
     def run(_: argparse.Namespace, rest: list[str]) -> int:
         from . import tools
@@ -148,6 +168,12 @@ def _replay(_: argparse.Namespace, rest: list[str]) -> int:
     from . import replay
 
     return replay.run(rest)
+
+
+def _fuzz(options: argparse.Namespace, _: list[str]) -> int:
+    from . import fuzz
+
+    return fuzz.run(options.target, options.seconds, options.minimise)
 
 
 def _bench(options: argparse.Namespace, rest: list[str]) -> int:

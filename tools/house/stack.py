@@ -21,6 +21,8 @@ from .users import RunAs
 
 BACKOFF_FIRST, BACKOFF_MOST = 0.1, 2.0   # seconds; doubled at each death, forgotten after 10 s of life
 CONFIG_EXITS = (64, 78)                  # bad command line, bad setting: starting again cannot help
+#: Core files would keep what is deleted: no program writes one, nor what it starts.
+WITHOUT_CORE_FILES = ("/bin/sh", "-c", 'ulimit -c 0; exec "$0" "$@"')
 
 
 @dataclass
@@ -236,7 +238,7 @@ class Stack:
         try:
             # A group of its own: Ctrl-C in the terminal reaches only the supervisor, which stops all in order.
             entry.process = subprocess.Popen(
-                entry.program.argv, env=dict(entry.program.env), cwd=self.data, stdin=subprocess.DEVNULL,
+                [*WITHOUT_CORE_FILES, *entry.program.argv], env=dict(entry.program.env), cwd=self.data, stdin=subprocess.DEVNULL,
                 stdout=handle, stderr=handle, start_new_session=True, umask=0o077, **self.run_as.popen())
         finally:
             os.close(handle)

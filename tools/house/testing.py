@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable
 
-from . import build, gpu, install, paths
+from . import build, fuzz, gpu, install, paths
 from .says import HouseError, say, step, warn
 
 
@@ -45,6 +45,7 @@ def suites() -> list[Suite]:
         Suite("the house", "unit", lambda reports: _pytest("house", reports)),
         Suite("the page", "unit", _vitest),
         Suite("C++", "unit", lambda reports: _ctest(["-LE", "gpu"], reports)),
+        Suite("fuzzing", "unit", _fuzz),
         Suite("integration", "integration", lambda reports: _pytest("integration", reports)),
         Suite("end to end", "e2e", lambda reports: _pytest("e2e", reports)),
         Suite("GPU", "gpu", lambda reports: _ctest(["-L", "gpu"], reports)),
@@ -148,6 +149,20 @@ def googletest_count(report: dict) -> Count:
     failed = sum("failures" in case for case in results)
     skipped = sum(case.get("result") in ("SKIPPED", "SUPPRESSED") or case.get("status") == "NOTRUN" for case in results)
     return Count(len(results) - failed - skipped, failed, skipped)
+
+
+# libFuzzer
+
+#: For each target: five of them on two cores take half a minute. `./diaphane fuzz` takes its time.
+FUZZ_SECONDS = 10
+
+
+def _fuzz(_: Path) -> Count:
+    found = fuzz.fuzz(fuzz.TARGETS, FUZZ_SECONDS)
+    for one in found:
+        if not one.well:
+            say(f"fuzz {one.target}:\n{one.words}")
+    return Count(passed=sum(one.well for one in found), failed=sum(not one.well for one in found))
 
 
 # Vitest

@@ -26,14 +26,14 @@ def measure(quick: bool) -> list[Result]:
             person.wait_ready(data_set)
             ingesting.append(time.monotonic() - sent)
             uploading.append(sent - begin)
-            memory.append(_metric(stack.ports["ingestd-admin"], "diaphane_ingest_child_peak_bytes") / 1e6)
+            memory.append(metric(stack.ports["ingestd-admin"], "diaphane_ingest_child_peak_bytes") / 1e6)
             person.delete(data_set)
     return [result("upload on the loopback", uploading, "s"),
             result("ingest, last byte to ready", ingesting, "s"),
             result("peak memory of the building child", memory, "MB")]
 
 
-def _metric(port: int, name: str) -> float:
+def metric(port: int, name: str) -> float:
     with urlopen(f"http://127.0.0.1:{port}/metrics", timeout=5) as answer:
         text = answer.read().decode()
     found = re.search(rf"^{name}(?:{{[^}}]*}})? (\S+)$", text, re.MULTILINE)

@@ -1,0 +1,109 @@
+"""A person cuts the face away in the picture itself, for good, and only then shows the scan to everybody."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from playwright.sync_api import Page, expect
+
+from harness import TestStack
+from person import Person
+from picture import wait_for_samples
+
+
+def value(page: Page, handle: str) -> float:
+    return float(page.locator(f'[data-handle="{handle}"]').get_attribute("aria-valuenow"))
+
+
+def open_cut(person: Person, title: str) -> str:
+    """Opens the scan, asks to show it to everybody, and follows the way to the cut; the scan's id."""
+    page = person.page
+    person.open_scan(title)
+    page.get_by_role("button", name="Share this scan").click()
+    page.get_by_role("link", name="Cut and make anonymous").click()
+    expect(page.get_by_role("heading", name="Make it anonymous")).to_be_visible()
+    return page.url.rsplit("/", 1)[1]
+
+
+def test_the_face_is_cut_away_in_the_picture_for_good(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit(wide=True)
+    person = Person.arrives(stack, page, "cutter")
+    person.has_scan(cranium, "A head")
+    data_set = open_cut(person, "A head")
+
+    # It says what it found, and proposes a cut that takes something.
+    expect(page.get_by_text("This scan shows a head")).to_be_visible()
+    plane = page.get_by_role("button", name="Cut as proposed")
+    expect(plane).to_be_visible()
+    wait_for_samples(stack, page, 4)
+    page.screenshot(path=pictures / "cut-proposed.png")
+    expect(page.locator(".cut-goes")).to_contain_text("% of the scan will be gone")
+
+    # By mouse: the handle goes with the hand, and so does the number.
+    # By keyboard: each press a millimetre.
+    handle = page.locator('[data-handle="z-high"]')
+    before = value(page, "z-high")
+    box = handle.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y + 20, steps=4)
+    page.mouse.up()
+    dragged = value(page, "z-high")
+    assert dragged < before - 2
+    after = handle.bounding_box()
+    assert abs(after["y"] + after["height"] / 2 - (y + 20)) < 4
+    handle.press("ArrowUp")
+    expect(handle).to_have_attribute("aria-valuenow", str(round(dragged) + 1))
+    slider = page.get_by_role("slider", name="Back").last
+    back = value(page, "y-high")
+    slider.focus()
+    slider.press("ArrowLeft")
+    assert value(page, "y-high") < back
+    page.screenshot(path=pictures / "cut-dragged.png")
+    page.get_by_role("button", name="Cut as proposed").click()
+
+    # Not by mistake: the button waits until one has said that one understands.
+    page.get_by_role("button", name="Cut for good…").click()
+    confirm = page.get_by_role("button", name="Cut it now, for good")
+    expect(page.get_by_role("heading", name="This cannot be undone")).to_be_visible()
+    expect(confirm).to_be_disabled()
+    page.get_by_label("I have looked at it from all sides").check()
+    page.screenshot(path=pictures / "cut-confirm.png")
+    confirm.click()
+    expect(page.get_by_role("heading", name="It is done")).to_be_visible(timeout=60_000)
+    page.screenshot(path=pictures / "cut-done.png")
+
+    header = json.loads((stack.data_dir / "volumes" / data_set / "volume.json").read_text())
+    assert header["size"][1] <= 256 and header["size"][2] <= 108
+    assert stack.psql("SELECT anonymised_at IS NOT NULL, is_nullified FROM (SELECT anonymised_at, cut_problem IS NULL AS is_nullified"
+                      " FROM data_sets WHERE id = %s) d", data_set) == [(True, True)]
+    page.get_by_role("link", name="Look at it, and share it").click()
+    expect(page.locator("canvas[data-samples]")).to_be_visible(timeout=30_000)
+    wait_for_samples(stack, page, 8)
+    page.screenshot(path=pictures / "cut-after.png")
+    page.get_by_role("button", name="Share this scan").click()
+    expect(page.get_by_role("button", name="Put it into the gallery")).to_be_visible()
+
+
+def test_on_a_phone_the_handles_go_with_a_finger(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit(phone=True)
+    person = Person.arrives(stack, page, "finger")
+    data_set = person.has_scan(cranium, "A head")
+    page.goto(f"{stack.url}/cut/{data_set}")
+    expect(page.get_by_text("This scan shows a head")).to_be_visible(timeout=30_000)
+    wait_for_samples(stack, page, 2)
+    page.screenshot(path=pictures / "cut-phone.png")
+    handle = page.locator('[data-handle="z-high"]')
+    box = handle.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    before = value(page, "z-high")
+    touch = page.context.new_cdp_session(page)
+    for kind, down in (("touchStart", 0), ("touchMove", 10), ("touchMove", 25), ("touchEnd", None)):
+        points = [] if down is None else [{"x": x, "y": y + down}]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    assert value(page, "z-high") < before - 2
+    page.get_by_role("link", name="Cancel").click()
+    expect(page.locator("canvas[data-samples]")).to_be_visible(timeout=30_000)
+    assert stack.psql("SELECT anonymised_at FROM data_sets WHERE id = %s", data_set) == [(None,)]

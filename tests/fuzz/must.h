@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+
+/// Ends the fuzzer with a finding, in every kind of build.
+#define MUST(what)                                                            \
+  do {                                                                        \
+    if (!(what)) {                                                            \
+      std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #what); \
+      std::abort();                                                           \
+    }                                                                         \
+  } while (false)

@@ -1,0 +1,146 @@
+"""A data set is made anonymous: by its owner alone, for good, and nothing that was made of the old one is left."""
+
+from __future__ import annotations
+
+import uuid
+
+import pytest
+from api_client import make_ready, person, problem
+from cut_help import KEEP, expected_left, hash_of, holders_of_mark, store
+from stream_help import open_session
+
+CONFIRMATION = "this cannot be undone"
+CAMERA = {"camera": {"eye": {"y": -300, "z": 4}, "target": {"z": 4}, "up": {"z": 1}, "verticalFovDegrees": 30},
+          "clip": {"boxLow": {"x": -9, "y": -9, "z": -9}, "boxHigh": {"x": 9, "y": 9, "z": 9}}}
+
+
+@pytest.fixture(scope="module")
+def running(stack_house):
+    stack = stack_house.open(only=("postgres", "redis", "api", "edge", "ingestd", "renderd"))
+    yield stack
+    stack_house.shut(stack)
+
+
+@pytest.fixture(scope="module")
+def owner(running):
+    return person(running)
+
+
+@pytest.fixture
+def scan(running, owner) -> tuple[str, str]:
+    """A ready data set with the mark in it, and its volume's hash."""
+    running.stop("ingestd")  # it would read the upload that stands for one
+    data_set = owner.upload(b"x" * 100)["id"]
+    make_ready(running, data_set)
+    running.psql("INSERT INTO disposals (kind, id) VALUES ('upload', %s)", data_set)
+    running.start("ingestd")
+    running.wait_ready("ingestd")
+    content = store(running, data_set)
+    return data_set, content
+
+
+def ask(owner, data_set: str, content: str, keep: dict = KEEP, confirm: str = CONFIRMATION):
+    return owner.http.post(f"/v1/data-sets/{data_set}/anonymise",
+                           json={"keep": keep, "volume_hash": content, "confirm": confirm})
+
+
+def wait_cut(running, owner, data_set: str) -> dict:
+    def done():
+        view = owner.http.get(f"/v1/data-sets/{data_set}/anonymise").json()
+        return view if view["state"] == "ready" else None
+    return running.wait_until(done, 30, "the cut")
+
+
+def loaded(running) -> str:
+    redis = running.redis
+    return ",".join(redis.hget(f"diaphane:worker:{name}", "volumes") or "" for name in redis.smembers("diaphane:workers"))
+
+
+def picture(running, owner, data_set: str):
+    """The thumbnail, rendered if it has to be."""
+    def made():
+        answer = owner.http.get(f"/v1/data-sets/{data_set}/thumbnails/bone")
+        return answer if answer.status_code == 200 else None
+    return running.wait_until(made, 60, "a picture")
+
+
+def test_nothing_of_what_was_cut_away_is_left_anywhere(running, owner, scan):
+    data_set, content = scan
+    made = owner.http.post(f"/v1/data-sets/{data_set}/presets", json={"name": "mine", "scene": SCENE(owner, data_set)})
+    assert made.status_code == 201, made.text
+    preset = made.json()
+    old_picture = picture(running, owner, data_set)
+    session, _ = open_session(owner, data_set)
+    running.wait_until(lambda: data_set in loaded(running), 10, "the worker's copy")
+    assert len(holders_of_mark(running.data_dir)) == 1, "the search would find nothing anyway"
+    problem(owner.http.post(f"/v1/data-sets/{data_set}/visibility", json={"visibility": "public"}), 409, "not-anonymised")
+
+    answer = ask(owner, data_set, content)
+    assert answer.status_code == 202 and answer.json()["state"] in ("queued", "building", "ready")
+    view = wait_cut(running, owner, data_set)
+
+    voxels = (running.data_dir / "volumes" / data_set / "voxels.i16").read_bytes()
+    assert voxels == expected_left() and view["volume_hash"] == hash_of(voxels)
+    assert view["anonymised_at"] and view["problem"] is None and view["head"]["found"] is False
+    assert owner.http.get(f"/v1/data-sets/{data_set}").json()["volume"]["size"] == [32, 32, 16]
+    problem(owner.http.post(f"/v1/sessions/{session}/tickets"), 404, "not-found")
+    running.wait_until(lambda: data_set not in loaded(running), 10, "the worker's copy is let go")
+    running.wait_until(lambda: running.psql("SELECT count(*) FROM disposals WHERE id = %s", data_set) == [(0,)], 15,
+                       "what was noted is disposed of")
+    assert holders_of_mark(running.data_dir) == []
+
+    new_picture = picture(running, owner, data_set)
+    assert new_picture.content != old_picture.content and "no-cache" in new_picture.headers["cache-control"]
+    # 32 mm of the top are gone: the middle is 16 mm lower, so places are 16 mm higher.
+    moved = owner.http.get(f"/v1/presets/{preset['id']}").json()
+    old, new = preset["scene"]["camera"]["eye"], moved["scene"]["camera"]["eye"]
+    assert new.get("z", 0) - old.get("z", 0) == pytest.approx(16) and new["y"] == pytest.approx(old["y"])
+    actions = running.psql("SELECT action, actor FROM audit_log WHERE subject_id = %s ORDER BY id", data_set)
+    assert [row for row in actions if "anonymise" in row[0]] == [("data-set.anonymise-ordered", "person"),
+                                                                 ("data-set.anonymised", "person")]
+    published = owner.http.post(f"/v1/data-sets/{data_set}/visibility", json={"visibility": "public"})
+    assert published.status_code == 200 and published.json()["is_public"]
+
+
+def SCENE(owner, data_set: str) -> dict:  # noqa: N802
+    return {"transferFunction": {"channels": [{"name": "bone", "opacity": [{"value": 100}, {"value": 900, "opacity": 1}],
+                                               "diffuse": {"r": 0.8, "g": 0.8, "b": 0.8}}], "extinctionPerMm": 1},
+            "lights": [{"environment": {"radiance": {"r": 1, "g": 1, "b": 1}}}], **CAMERA}
+
+
+def test_only_what_was_seen_is_cut_and_only_on_purpose(running, owner, scan):
+    data_set, content = scan
+    problem(ask(owner, data_set, "blake2b:" + "0" * 64), 412, "precondition")
+    problem(ask(owner, data_set, content, confirm="yes"), 422, "invalid")
+    assert problem(ask(owner, data_set, content, keep={"box": {"low": [0, 0, 0], "high": [1, 1]}}), 422, "invalid")[
+        "errors"][0]["field"] == "keep.box.high"
+    assert owner.http.get(f"/v1/data-sets/{data_set}/anonymise").json()["anonymised_at"] is None
+    # Of two at once one is taken.
+    answers = sorted(ask(owner, data_set, content).status_code for _ in range(2))
+    assert answers in ([202, 409], [202, 412])
+    wait_cut(running, owner, data_set)
+    problem(ask(owner, data_set, content), 412, "precondition")
+
+
+def test_a_cut_that_would_leave_nothing_is_said_and_changes_nothing(running, owner, scan):
+    data_set, content = scan
+    assert ask(owner, data_set, content, keep={"box": {"low": [500, 0, 0], "high": [600, 10, 10]}}).status_code == 202
+    view = wait_cut(running, owner, data_set)
+    assert "Too little" in view["problem"] and view["anonymised_at"] is None and view["volume_hash"] == content
+
+
+def test_nobody_else_may(running, owner, scan):
+    data_set, content = scan
+    stranger = person(running)
+    problem(stranger.http.get(f"/v1/data-sets/{data_set}/anonymise"), 404, "not-found")
+    problem(ask(stranger, data_set, content), 404, "not-found")
+    problem(owner.http.get(f"/v1/data-sets/{uuid.uuid4()}/anonymise"), 404, "not-found")
+
+
+def test_a_deleted_data_set_is_let_go_by_the_worker_too(running, owner, scan):
+    data_set, _ = scan
+    picture(running, owner, data_set)
+    running.wait_until(lambda: data_set in loaded(running), 10, "the worker's copy")
+    assert owner.http.delete(f"/v1/data-sets/{data_set}").status_code == 204
+    running.wait_until(lambda: data_set not in loaded(running), 15, "the worker's copy is let go")
+    assert not (running.data_dir / "volumes" / data_set).exists()

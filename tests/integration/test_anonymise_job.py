@@ -1,0 +1,120 @@
+"""The cut as ingestd makes it: what is kept is the same, the rest is gone, whatever ends ingestd on the way."""
+
+from __future__ import annotations
+
+import json
+import signal
+import socket
+
+import pytest
+from cut_help import (SIDE, build_killer, expected_left, hash_of, holders_of_mark, order, ready_data_set, run_ingestd)
+from ingest_help import volume_path
+
+
+@pytest.fixture(scope="module")
+def stores_and_api(stack_house):
+    running = stack_house.open(only=("postgres", "redis", "api"))
+    yield running
+    stack_house.shut(running)
+
+
+@pytest.fixture(scope="module")
+def killer(tmp_path_factory):
+    return build_killer(tmp_path_factory.mktemp("killer"))
+
+
+@pytest.fixture
+def port():
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return listener.getsockname()[1]
+
+
+def is_cut(stack, data_set: str) -> bool:
+    return stack.psql("SELECT state FROM data_sets WHERE id = %s", data_set) == [("ready",)]
+
+
+def finish(stack, data_sets: list[str], port: int) -> None:
+    """Whoever held the jobs is dead: their leases end, and another ingestd takes them up."""
+    stack.psql("UPDATE ingest_jobs SET leased_until = now()")
+    other = run_ingestd(stack, port)
+    try:
+        for data_set in data_sets:
+            stack.wait_until(lambda one=data_set: is_cut(stack, one), 15, "the cut")
+    finally:
+        other.terminate()
+        other.communicate(timeout=10)
+
+
+def check_cut(stack, data_set: str) -> None:
+    folder = volume_path(stack, data_set)
+    voxels = (folder / "voxels.i16").read_bytes()
+    assert voxels == expected_left()
+    header = json.loads((folder / "volume.json").read_text())
+    assert header["size"] == [SIDE, SIDE, SIDE // 2] and header["maximum"] == 63
+    assert header["contentHash"] == hash_of(voxels)
+    row = stack.psql("SELECT size_z, volume_bytes, cut_problem, anonymised_at IS NOT NULL FROM data_sets WHERE id = %s",
+                     data_set)
+    assert row == [(SIDE // 2, len(voxels), None, True)]
+    assert stack.psql("SELECT count(*) FROM ingest_jobs WHERE data_set_id = %s", data_set) == [(0,)]
+    assert [f.name for f in folder.parent.iterdir() if f.name.startswith(".tmp-")] == []
+    assert holders_of_mark(stack.data_dir) == []
+
+
+def test_what_is_outside_is_gone_and_what_is_inside_is_the_same(stores_and_api, port):
+    data_set, content = ready_data_set(stores_and_api)
+    assert len(holders_of_mark(stores_and_api.data_dir)) == 1, "the search would find nothing anyway"
+    order(stores_and_api, data_set, content)
+    finish(stores_and_api, [data_set], port)
+    check_cut(stores_and_api, data_set)
+
+
+def test_killed_before_each_of_its_steps_it_leaves_the_old_or_the_new_and_another_finishes(stores_and_api, killer, port):
+    told, cut_before_the_end = [], []
+    for step in range(1, 100):
+        data_set, content = ready_data_set(stores_and_api)
+        order(stores_and_api, data_set, content)
+        doomed = run_ingestd(stores_and_api, port, killer, step)
+        stores_and_api.wait_until(lambda: doomed.poll() is not None or is_cut(stores_and_api, data_set), 15, "its end")
+        if doomed.poll() is None:  # it has no more steps than that
+            doomed.terminate()
+            doomed.communicate(timeout=10)
+            break
+        said = doomed.communicate(timeout=10)[1]
+        assert doomed.returncode == -signal.SIGKILL, said
+        told.append(said.splitlines()[-1].partition(", ")[2])
+        folder = volume_path(stores_and_api, data_set)
+        stored = json.loads((folder / "volume.json").read_text())["contentHash"]
+        assert stored == hash_of((folder / "voxels.i16").read_bytes()), "one of them, whole"
+        cut = (folder / "voxels.i16").read_bytes() == expected_left()
+        assert cut or stored == content
+        anonymised = stores_and_api.psql("SELECT anonymised_at IS NOT NULL FROM data_sets WHERE id = %s", data_set)[0][0]
+        assert cut if anonymised else not is_cut(stores_and_api, data_set), "never ready in between"
+        cut_before_the_end.append(data_set)
+    assert {"mkdir", "fsync", "renameat2", "ftruncate", "send"} <= set(told) and {"unlinkat", "remove"} & set(told), told
+    assert told.index("send") < told.index("renameat2") < told.index("ftruncate"), "told, then exchanged, then erased"
+    finish(stores_and_api, cut_before_the_end, port)
+    for data_set in cut_before_the_end:
+        check_cut(stores_and_api, data_set)
+
+
+def test_a_cut_that_cannot_be_made_leaves_all_as_it_was_and_says_so(stores_and_api, port):
+    for keep, of, words in (({"box": {"low": [0, 0, 90], "high": [9, 9, 99]}}, None, "Too little"),
+                            (None, "blake2b:" + "0" * 64, "not the one")):
+        data_set, content = ready_data_set(stores_and_api)
+        order(stores_and_api, data_set, of or content, **({"keep": keep} if keep else {}))
+        finish(stores_and_api, [data_set], port)
+        problem, at = stores_and_api.psql("SELECT cut_problem, anonymised_at FROM data_sets WHERE id = %s", data_set)[0]
+        assert words in problem and at is None
+        folder = volume_path(stores_and_api, data_set)
+        assert hash_of((folder / "voxels.i16").read_bytes()) == content
+        stores_and_api.psql("DELETE FROM data_sets WHERE id = %s", data_set)
+        for file in folder.iterdir():
+            file.unlink()
+
+
+def test_a_data_set_deleted_while_it_waits_is_not_cut(stores_and_api, port):
+    data_set, content = ready_data_set(stores_and_api)
+    order(stores_and_api, data_set, content)
+    stores_and_api.psql("DELETE FROM data_sets WHERE id = %s", data_set)
+    assert stores_and_api.psql("SELECT count(*) FROM ingest_jobs") == [(0,)]

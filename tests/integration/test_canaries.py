@@ -1,0 +1,208 @@
+"""A scan with a word in every text that it can hold: whatever becomes of its upload, no word of it is found afterwards."""
+
+from __future__ import annotations
+
+import os
+import resource
+import signal
+import tempfile
+import time
+from pathlib import Path
+
+import pytest
+from api_client import Person, person
+from canaries import Search, forms
+from hostile.canary_scan import PLACES, CanaryScan
+from ingest_help import upload_path, wait_end
+from test_ingest_faults import children
+
+PROGRAMS = ("postgres", "redis", "api", "edge", "ingestd")
+#: Places in ingestd where a test can have it killed (common/fault_point.h), in their order.
+STEPS = ("claimed", "built", "written", "stored", "said", "removed")
+
+
+@pytest.fixture(scope="module")
+def faults(stack_house) -> Path:
+    return stack_house.folder()
+
+
+@pytest.fixture(scope="module")
+def kept(stack_house, faults):
+    """Everything that could keep something, and core files wanted by whoever started it."""
+    before = resource.getrlimit(resource.RLIMIT_CORE)
+    resource.setrlimit(resource.RLIMIT_CORE, (before[1], before[1]))
+    running = stack_house.open(only=PROGRAMS, extra_env={
+        "DIAPHANE_FAULT_DIR": str(faults), "DIAPHANE_LEASE_MS": "1000", "DIAPHANE_TIME_LIMIT_S": "8"})
+    yield running
+    stack_house.shut(running)
+    resource.setrlimit(resource.RLIMIT_CORE, before)
+
+
+@pytest.fixture(scope="module")
+def one(kept) -> Person:
+    return person(kept)
+
+
+@pytest.fixture(scope="module")
+def scan() -> CanaryScan:
+    return CanaryScan()
+
+
+@pytest.fixture(scope="module")
+def search(scan) -> Search:
+    return Search(scan.all_words(), begun=time.time())
+
+
+def announced(one: Person, scan: CanaryScan, data: bytes) -> tuple[str, str]:
+    """Data set and address of an upload that tells all it knows about its files."""
+    answer = one.http.post("/v1/uploads", headers={"Tus-Resumable": "1.0.0", "Upload-Length": str(len(data)), **scan.metadata()})
+    assert answer.status_code == 201, answer.text
+    url = answer.headers["location"]
+    return url.rsplit("/", 1)[1], url
+
+
+def sent(one: Person, scan: CanaryScan, data: bytes | None = None) -> str:
+    """A data set, all of it uploaded in parts."""
+    data = scan.upload() if data is None else data
+    data_set, url = announced(one, scan, data)
+    for start in range(0, len(data), 30_000):
+        answer = one.patch(url, start, data[start:start + 30_000], **scan.metadata())
+        assert answer.status_code == 204, answer.text
+    return data_set
+
+
+def nothing_is_left(kept, search: Search, still: str | None = None) -> None:
+    """`still`: an upload that is needed again, whose own file (and no other) may hold what it holds."""
+    assert search.in_stack(kept, leave_out=[upload_path(kept, still)] if still else []) == []
+    assert [path for path in kept.data_dir.rglob("core*") if path.is_file() and not path.suffix] == [], "core files"
+
+
+def frozen(kept, one: Person, scan: CanaryScan) -> tuple[str, int]:
+    """A data set whose child stands still in the middle of its work."""
+    kept.wait_ready("ingestd")
+    ingestd = kept.pids["ingestd"]
+    data_set = sent(one, scan, scan.upload(400))
+    deadline = time.monotonic() + 15
+    while not (pids := children(ingestd)):
+        assert time.monotonic() < deadline, "no child was started"
+        time.sleep(0.0005)
+    os.kill(pids[0], signal.SIGSTOP)
+    return data_set, pids[0]
+
+
+def test_the_scan_is_full_of_words_and_the_search_finds_every_form(scan, tmp_path):
+    search = Search(scan.all_words())
+    assert len(search.inside(scan.upload())) == len(PLACES) - 1 + 2, "all but that of the upload's metadata, once each"
+    for word in scan.all_words():
+        for name, form in forms(word).items():
+            (tmp_path / "hidden").write_bytes(b"before" + form + b"behind")
+            assert any(f"{word} in {name}: " in hit for hit in search.below(tmp_path)), (word, name)
+    (tmp_path / "hidden").write_bytes(b"nothing")
+    assert search.below(tmp_path) == []
+    (tmp_path / scan.words["names"]).mkdir()
+    assert search.below(tmp_path), "in a name"
+
+
+def test_a_leak_would_be_found(kept, scan, search):
+    """One planted in each place that is looked at."""
+    word = scan.words["person"]
+    for place in ("logs", "scratch", "volumes", "run", "postgres"):
+        leak = kept.data_dir / place / "leak"
+        leak.write_text(f"x{word.encode().hex()}x")
+        assert any(str(leak) in hit for hit in search.in_stack(kept)), place
+        leak.unlink()
+    kept.redis.set("leak", word)
+    assert search.in_stack(kept), "in Redis"
+    kept.redis.delete("leak")
+    kept.psql("CREATE TABLE leak AS SELECT convert_to(%s, 'UTF8') AS bytes", word)
+    assert any("dump of the database" in hit for hit in search.in_stack(kept))
+    # What Postgres and Redis wrote of it stays in their files for a while: its own word is searched no more from here on.
+    search.needles = {name: needle for name, needle in search.needles.items() if not name.startswith(word)}
+    kept.psql("DROP TABLE leak")
+    with tempfile.NamedTemporaryFile() as file:
+        file.write(scan.words["header"].encode("utf-16-le"))
+        file.flush()
+        assert any(file.name in hit for hit in search.in_temporary_files())
+    assert search.in_stack(kept) == []
+
+
+def test_after_success(kept, one, scan, search):
+    data_set = sent(one, scan)
+    assert wait_end(kept, data_set)[0] == "ready"
+    nothing_is_left(kept, search)
+
+
+def test_after_a_refusal(kept, one, scan, search):
+    few, broken = scan.upload(3), scan.upload()[:-40_000]
+    assert wait_end(kept, sent(one, scan, few))[:2] == ("refused", "too_few_slices")
+    assert wait_end(kept, sent(one, scan, broken))[0] == "refused"
+    nothing_is_left(kept, search)
+
+
+@pytest.mark.parametrize("by", [signal.SIGSEGV])
+def test_after_a_crash_of_the_child(kept, one, scan, search, by):
+    data_set, child = frozen(kept, one, scan)
+    os.kill(child, by)
+    os.kill(child, signal.SIGCONT)
+    assert wait_end(kept, data_set)[1] == "unreadable"
+    nothing_is_left(kept, search)
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_after_kill_9_at_each_step(kept, one, scan, search, faults, step):
+    kept.wait_ready("ingestd")
+    armed = faults / step
+    armed.touch()
+    killed = kept.pids["ingestd"]
+    data_set = sent(one, scan)
+    kept.wait_until(lambda: not armed.exists(), 20, f"the kill at {step}")
+    # At once, before anybody has mended anything: only the upload itself, which is needed again, may be there.
+    nothing_is_left(kept, search, still=data_set)
+    assert wait_end(kept, data_set)[0] == "ready"
+    # The last of the steps is killed after the data set was said to be ready: it comes back a moment later.
+    kept.wait_until(lambda: kept.pids.get("ingestd", killed) != killed, 20, "another ingestd")
+    nothing_is_left(kept, search)
+
+
+@pytest.mark.parametrize("by", [signal.SIGABRT])
+def test_after_the_end_of_ingestd_in_mid_build(kept, one, scan, search, by):
+    data_set, child = frozen(kept, one, scan)
+    os.kill(kept.pids["ingestd"], by)
+    nothing_is_left(kept, search, still=data_set)
+    assert wait_end(kept, data_set)[0] == "ready"
+    nothing_is_left(kept, search)
+
+
+@pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGABRT])
+def test_after_the_end_of_api_in_mid_upload_and_a_cancel(kept, one, scan, search, by):
+    data = scan.upload()
+    data_set, url = announced(one, scan, data)
+    assert one.patch(url, 0, data[:30_000], **scan.metadata()).status_code == 204
+    ended = kept.pids["api"]
+    os.kill(ended, by)
+    kept.wait_until(lambda: kept.pids.get("api") not in (None, ended), what="the api again")
+    kept.wait_ready("api")
+    nothing_is_left(kept, search, still=data_set)
+    assert one.http.delete(url, headers={"Tus-Resumable": "1.0.0"}).status_code == 204
+    kept.wait_until(lambda: not upload_path(kept, data_set).exists(), what="the end of the upload")
+    nothing_is_left(kept, search)
+
+
+def test_after_the_deletion_of_what_is_being_built(kept, one, scan, search):
+    data_set, child = frozen(kept, one, scan)
+    assert one.http.delete(f"/v1/data-sets/{data_set}").status_code == 204
+    kept.wait_until(lambda: not upload_path(kept, data_set).exists(), what="the end of the upload")
+    nothing_is_left(kept, search)
+
+
+def test_after_expiry(kept, one, scan, search):
+    data = scan.upload()
+    data_set, url = announced(one, scan, data)
+    assert one.patch(url, 0, data[:30_000]).status_code == 204
+    kept.psql("UPDATE uploads SET expires_at = now() - interval '1 second' WHERE id = %s", data_set)
+    kept.wait_until(lambda: not upload_path(kept, data_set).exists(), 40, "the end of the upload")
+    nothing_is_left(kept, search)
+
+
+def test_in_the_end_nothing_is_in_temporary_files_either(kept, search):
+    assert search.in_temporary_files() == []

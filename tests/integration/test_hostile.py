@@ -1,0 +1,48 @@
+"""Uploads that mean harm: each is refused in words within the limits that the sandbox enforces, and the next one works."""
+
+from __future__ import annotations
+
+import pytest
+from hostile.cases import Case, cases
+from hostile.dicom_bytes import tar_header
+from hostile.run import LIMITS, Outcome, outcomes, table
+
+PROGRAMS = ("postgres", "redis", "api", "ingestd")
+
+
+@pytest.fixture(scope="module")
+def small(stack_house):
+    """An ingestd whose children have 1 GB of address space and 10 s."""
+    running = stack_house.open(only=PROGRAMS, extra_env=LIMITS)
+    yield running
+    stack_house.shut(running)
+
+
+def test_each_hostile_upload_is_refused_in_words_and_the_next_one_works(small):
+    assert len(cases()) > 250
+    pid = small.pids["ingestd"]
+    found = outcomes(small, good_each=8)
+    missed = [outcome for outcome in found if outcome.fault]
+    assert not missed, "\n" + table(missed)
+    assert small.pids["ingestd"] == pid, "ingestd itself never ended"
+    assert list((small.data_dir / "uploads").iterdir()) == []
+    assert list((small.data_dir / "scratch").iterdir()) == []
+
+
+def test_a_miss_is_seen():
+    # Each way to miss, since the test above shows none.
+    case = Case("", "x", ("damaged",), lambda: [])
+    words = "These are words for it."
+    assert Outcome(case, "damaged", words, True, 0, 0).fault == ""
+    for miss in (Outcome(case, "too_slow", words, True, 0, 0), Outcome(case, "unreadable", words, True, 0, 0),
+                 Outcome(case, "damaged", "This needs more memory.", True, 0, 0), Outcome(case, "ready", "", True, 0, 0),
+                 Outcome(case, "damaged", "", True, 0, 0), Outcome(case, "damaged", words, False, 0, 0)):
+        assert miss.fault and miss.fault.upper() in table([miss])
+
+
+def test_the_limit_of_memory_is_there(small):
+    # Zeros that nobody could call hostile, and too many for 1 GB: that there is a limit is seen here.
+    many = Case("", "many zeros", ("too_large",), lambda: [tar_header(size=980 << 20), 980 << 20, bytes(1024)])
+    (end,) = outcomes(small, [many])
+    assert (end.code, end.text) == ("too_large", "This upload needs more memory than is allowed.")
+    assert end.next_is_ready

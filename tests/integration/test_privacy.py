@@ -1,0 +1,185 @@
+"""All that is held of a person, given as one file; and the end of an account, of which nothing is left anywhere."""
+
+from __future__ import annotations
+
+import io
+import json
+import subprocess
+import uuid
+import zipfile
+from pathlib import Path
+
+from api_client import PASSWORD, Person, add_worker, api, forget_attempts, link_token, make_ready, person, problem, remove_worker  # noqa: F401
+from who_may_world import RECORDING
+
+VOXELS = bytes(range(256)) * 40
+
+
+def store_volume(stack, data_set: str) -> None:
+    folder = stack.data_dir / "volumes" / data_set
+    folder.mkdir(parents=True)
+    (folder / "volume.json").write_text('{"format": 1}')
+    (folder / "voxels.i16").write_bytes(VOXELS)
+    thumbnails = stack.data_dir / "cache" / "thumbnails" / data_set
+    thumbnails.mkdir(parents=True)
+    (thumbnails / "bone.jpg").write_bytes(b"\xff\xd8\xff")
+    for path in (folder, *folder.iterdir(), thumbnails.parent, thumbnails, *thumbnails.iterdir()):
+        stack.stack.run_as.own(path)
+    make_ready(stack, data_set)
+
+
+def with_everything(stack) -> tuple[Person, str, str]:
+    """Somebody who has used everything; a ready scan, and one whose upload is under way."""
+    one = person(stack)
+    ready = one.upload(b"x" * 100, title=f"Title of {one.email}")["id"]
+    store_volume(stack, ready)
+    unfinished = one.data_set(1000, title="Half of it")
+    one.patch(unfinished["upload_url"], 0, b"y" * 500)
+    one.announce(10, **{"Idempotency-Key": "k"})
+    one.http.post("/v1/recording-consent")
+    one.http.post("/v1/recordings", json=RECORDING)
+    add_worker(stack, "privacy")
+    one.http.post("/v1/sessions", json={"data_set_id": ready})
+    stack.redis.hincrby("diaphane:render_time", one.id, 1234)
+    stack.wait_until(lambda: one.http.get("/v1/me").json()["render_time"]["used_ms"] == 1234, what="render time")
+    return one, ready, unfinished["data_set"]["id"]
+
+
+def exported(stack, one: Person) -> zipfile.ZipFile:
+    assert one.http.post("/v1/me/export").status_code == 202
+    stack.wait_until(lambda: one.http.get("/v1/me/export").json()["state"] == "ready", what="the export")
+    answer = one.http.get("/v1/me/export/file")
+    assert answer.status_code == 200 and answer.headers["content-type"] == "application/zip"
+    assert "attachment" in answer.headers["content-disposition"] and answer.headers["cache-control"] == "no-store"
+    assert len(answer.content) == one.http.get("/v1/me/export").json()["bytes"]
+    return zipfile.ZipFile(io.BytesIO(answer.content))
+
+
+def test_an_export_holds_everything_of_the_person_and_nothing_of_others(api):  # noqa: F811
+    other, other_ready, _ = with_everything(api)
+    one, ready, unfinished = with_everything(api)
+    file = exported(api, one)
+    assert file.testzip() is None
+    names = set(file.namelist())
+    assert file.read(f"scans/{ready}/voxels.i16") == VOXELS and f"scans/{ready}/volume.json" in names
+    records = {name: json.loads(file.read(name)) for name in names if name.endswith(".json") and name.startswith("records/")}
+    [account] = records["records/users.id.json"]
+    assert account["email"] == one.email and "password_hash" not in account
+    assert {d["id"] for d in records["records/data_sets.owner_id.json"]} >= {ready, unfinished}
+    assert [r["events"] for r in records["records/recordings.user_id.json"]] == [1]
+    assert records["records/render_time.user_id.json"][0]["device_ms"] == 1234
+    assert "account.export-asked" in {entry["action"] for entry in json.loads(file.read("audit.json"))}
+    assert b"voxels.i16" in file.read("README.txt")
+    whole = b"".join(file.read(name) for name in names)
+    for secret in (other.email, other.id, other_ready, one.http.cookies["diaphane"], one.csrf, "$argon2id$"):
+        assert secret.encode() not in whole
+    # Every table with rows of persons is in it, those of tomorrow too.
+    tables = {t for (t,) in api.psql("""SELECT DISTINCT conrelid::regclass::text FROM pg_constraint
+                                        WHERE contype = 'f' AND confrelid = 'users'::regclass""")}
+    assert {name.split("/")[1].split(".")[0] for name in records} >= tables
+    remove_worker(api, "privacy")
+
+
+def test_an_export_is_of_one_person_and_goes_after_its_day(api):  # noqa: F811
+    one, other = person(api), person(api)
+    problem(one.http.get("/v1/me/export"), 404, "not-found")
+    problem(one.http.get("/v1/me/export/file"), 404, "not-found")
+    exported(api, one)
+    problem(other.http.get("/v1/me/export/file"), 404, "not-found")
+    problem(one.http.post("/v1/me/export"), 429, "too-many")
+    [(name,)] = api.psql("SELECT id::text FROM exports WHERE user_id = %s", one.id)
+    path = api.data_dir / "cache" / "exports" / f"{name}.zip"
+    assert path.exists()
+    assert one.http.get(f"/_cache/exports/{name}.zip").status_code == 404, "nobody gets at it but by the route"
+    assert one.http.delete("/v1/me/export").status_code == 204
+    api.wait_until(lambda: not path.exists(), what="the file's end")
+    problem(one.http.delete("/v1/me/export"), 404, "not-found")
+    exported(api, one)
+    api.psql("UPDATE exports SET expires_at = now() - interval '1 second' WHERE user_id = %s", one.id)
+    problem(one.http.get("/v1/me/export/file"), 404, "not-found")
+
+
+def everything_on_disk(folder: Path) -> dict[str, bytes]:
+    """But for the mails that were sent, the databases' own files (asked for as dumps), and the logs of requests."""
+    left_out = {"postgres", "redis", "mail", "logs", "secrets"}
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*")
+            if path.is_file() and path.relative_to(folder).parts[0] not in left_out}
+
+
+def dump(stack) -> bytes:
+    return subprocess.run(["pg_dump", "--inserts", stack.dsn], check=True, capture_output=True).stdout
+
+
+def redis_dump(stack, lasting: bool = False) -> bytes:
+    """All of it; `lasting`: but for tickets and for what says to workers that a session was ended, gone within a minute."""
+    found = b""
+    for key in stack.redis.scan_iter("*"):
+        passing = key.startswith("diaphane:ticket:") or key.endswith(":ended")
+        if lasting and passing and 0 < stack.redis.ttl(key) <= 60:
+            continue
+        found += key.encode() + b"\n"
+        kind = stack.redis.type(key)
+        read = {"hash": stack.redis.hgetall, "set": stack.redis.smembers, "string": stack.redis.get,
+                "zset": lambda k: stack.redis.zrange(k, 0, -1)}[kind]
+        found += str(read(key)).encode() + b"\n"
+    return found
+
+
+def test_a_deleted_account_leaves_nothing_behind(api):  # noqa: F811
+    bystander, bystander_ready, _ = with_everything(api)
+    one, ready, unfinished = with_everything(api)
+    me = one.id
+    exported(api, one)
+    one.http.post("/v1/me/password", json={"current": PASSWORD, "password": PASSWORD + " 2"})  # an entry in the audit log
+    session = one.http.get("/v1/sessions").json()["items"]
+    if not session:
+        session = [one.http.post("/v1/sessions", json={"data_set_id": ready}).json()]
+    watching = bystander.http.get("/v1/sessions").json()["items"]
+    [(export,)] = api.psql("SELECT id::text FROM exports WHERE user_id = %s", me)
+    traces = [me, one.email, ready, unfinished, export, session[0]["session_id"]]
+    assert all(any(t.encode() in text for text in (dump(api), redis_dump(api), str(everything_on_disk(api.data_dir)).encode()))
+               for t in traces), "the search finds each of them while it is there"
+
+    forget_attempts(api)
+    document = problem(one.http.post("/v1/me/deletion", json={"password": "not this one"}), 422, "invalid")
+    assert document["errors"][0]["field"] == "password" and one.http.get("/v1/me").status_code == 200
+    answer = one.http.post("/v1/me/deletion", json={"password": PASSWORD + " 2"})
+    assert answer.status_code == 204 and "Max-Age=0" in answer.headers["set-cookie"]
+    problem(one.http.get("/v1/me"), 401, "unauthenticated")
+    assert api.redis.exists(f"diaphane:session:{session[0]['session_id']}") == 0
+    api.wait_until(lambda: api.psql("SELECT count(*) FROM disposals") == [(0,)], what="the disposal")
+    api.wait_until(lambda: api.psql("SELECT count(*) FROM mail_queue") == [(0,)], what="the last mail")
+    assert "was deleted" in api.mails(one.email)[-1]["Subject"]
+
+    places = {"database": dump(api), "redis": redis_dump(api, lasting=True)}
+    for name, data in everything_on_disk(api.data_dir).items():
+        places[name] = name.encode() + b"\n" + data
+    for trace in traces:
+        for form in (trace, trace.replace("-", ""), trace.upper()):
+            for coding in ("utf-8", "utf-16-le"):
+                assert [place for place, text in places.items() if form.encode(coding) in text] == []
+    log = api.log("api") + api.log("edge")
+    assert one.email not in log and me not in log
+    # Nobody else has lost anything, and the address is free again.
+    assert bystander.http.get(f"/v1/data-sets/{bystander_ready}").status_code == 200
+    assert bystander.http.get("/v1/sessions").json()["items"] == watching
+    assert (api.data_dir / "volumes" / bystander_ready / "voxels.i16").read_bytes() == VOXELS
+    # The log still says that an account was deleted, and that its password was changed before; not whose.
+    rows = api.psql("SELECT action, actor_id, subject_id FROM audit_log ORDER BY id DESC LIMIT 3")
+    assert rows[0] == ("account.deleted", None, None) and ("account.password-changed", None, None) in rows
+    before = len(api.mails(one.email))
+    forget_attempts(api)
+    fresh = Person(api, one.email)
+    assert fresh.http.post("/v1/accounts", json={"email": one.email, "password": PASSWORD}).status_code == 202
+    api.wait_until(lambda: len(api.mails(one.email)) > before, what="the mail")
+    assert fresh.http.post("/v1/accounts/verify", json={"token": link_token(api, one.email)}).status_code == 204
+    assert fresh.sign_in().http.get("/v1/data-sets").json()["items"] == []
+    remove_worker(api, "privacy")
+
+
+def test_a_deletion_is_not_guessed(api):  # noqa: F811
+    one = person(api)
+    forget_attempts(api)
+    for _ in range(10):
+        problem(one.http.post("/v1/me/deletion", json={"password": uuid.uuid4().hex}), 422, "invalid")
+    problem(one.http.post("/v1/me/deletion", json={"password": PASSWORD}), 429, "too-many-attempts")

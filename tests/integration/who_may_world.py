@@ -1,0 +1,254 @@
+"""What test_who_may.py asks about: persons of every role, and one thing of each kind that belongs to the owner.
+
+For a new operation: a row in who_may.txt; what its path names, as a method of World of that parameter's name; and a body in
+`bodies`, when the one made of the schema's required fields does not do.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import uuid
+from typing import Any, Callable
+
+import httpx
+from api_client import CONTRACT, PASSWORD, Person, add_worker, client, make_ready, person
+from cut_help import KEEP, store
+from harness import TestStack
+
+ROLES = ("nobody", "unverified", "other", "view", "edit", "owner", "administrator")
+
+
+class World:
+    """One question's: everything in it is new, so that what one asks harms no other."""
+
+    def __init__(self, stack: TestStack, password_hash: str):
+        self.stack = stack
+        self.password_hash = password_hash
+        self.people: dict[str, Person] = {}
+        self.data_set = ""
+        self.saved = ""
+
+    # Persons: written to the database as signing up would, without its half second.
+
+    def someone(self, role: str) -> Person:
+        if role not in self.people:
+            self.people[role] = self._make(role)
+        return self.people[role]
+
+    def _make(self, role: str) -> Person:
+        one = Person(self.stack)
+        if role == "nobody":
+            return one
+        one_id, token, csrf = str(uuid.uuid4()), hashlib.sha256(uuid.uuid4().bytes).hexdigest(), "c" * 64
+        self.stack.psql("""INSERT INTO users (id, email, email_key, password_hash, verified_at, is_administrator, recording_consent_at)
+                           VALUES (%s, %s, %s, %s, CASE WHEN %s THEN now() END, %s, now())""",
+                        one_id, one.email, one.email, self.password_hash, role != "unverified", role == "administrator")
+        self.stack.psql("""INSERT INTO web_sessions (token_hash, user_id, csrf_token, expires_at)
+                           VALUES (%s, %s, %s, now() + interval '1 day')""", stored(token), one_id, csrf)
+        one.http.cookies.set("diaphane", token)
+        one.http.headers["X-CSRF-Token"] = csrf
+        one.known_id = one_id
+        return one
+
+    @property
+    def owner(self) -> Person:
+        return self.someone("owner")
+
+    # What paths name
+
+    def data_set_id(self) -> str:
+        if not self.data_set:
+            self.data_set = self.owner.data_set(10)["data_set"]["id"]
+            make_ready(self.stack, self.data_set)
+            self.share()
+        return self.data_set
+
+    def share(self) -> None:
+        """With `view` and `edit`."""
+        for role in ("view", "edit"):
+            given = {"email": self.someone(role).email, "may": "view" if role == "view" else "save"}
+            answer = self.owner.http.post(f"/v1/data-sets/{self.data_set}/people", json=given)
+            assert answer.status_code == 204, answer.text
+
+    def publish(self) -> None:
+        data_set = self.data_set_id()
+        self.stack.psql("UPDATE data_sets SET anonymised_at = now() WHERE id = %s", data_set)
+        answer = self.owner.http.post(f"/v1/data-sets/{data_set}/visibility", json={"visibility": "public"})
+        assert answer.status_code == 200, answer.text
+
+    def take_down(self) -> None:
+        self.publish()
+        answer = self.someone("administrator").http.post(f"/v1/data-sets/{self.data_set}/take-down", json={"reason": "A name."})
+        assert answer.status_code == 204, answer.text
+
+    def person_id(self) -> str:
+        return self.owner.http.get(f"/v1/data-sets/{self.data_set_id()}/people").json()["items"][0]["id"]
+
+    def link(self) -> dict:
+        return self.owner.http.post(f"/v1/data-sets/{self.data_set_id()}/links", json={"hours": 1}).json()
+
+    def link_id(self) -> str:
+        self.link()
+        return self.owner.http.get(f"/v1/data-sets/{self.data_set_id()}/links").json()["items"][0]["id"]
+
+    def preset_id(self) -> str:
+        if not self.saved:
+            self.saved = self.owner.http.post(f"/v1/data-sets/{self.data_set_id()}/presets", json={"name": "a", "scene": SCENE}).json()["id"]
+        return self.saved
+
+    def report_id(self) -> str:
+        self.publish()
+        self.someone("other").http.post(f"/v1/data-sets/{self.data_set}/reports", json={"reason": "other"})
+        return self.stack.psql("SELECT id::text FROM reports WHERE data_set_id = %s", self.data_set)[0][0]
+
+    def upload_id(self) -> str:
+        return self.owner.data_set(10)["data_set"]["id"]
+
+    def session_id(self) -> str:
+        add_worker(self.stack, "who-may", slots=1000)
+        answer = self.owner.http.post("/v1/sessions", json={"data_set_id": self.data_set_id()})
+        assert answer.status_code == 201, answer.text
+        return answer.json()["session_id"]
+
+    def recording_id(self) -> str:
+        answer = self.owner.http.post("/v1/recordings", json=RECORDING)
+        assert answer.status_code == 201, answer.text
+        return answer.json()["id"]
+
+    def browser_session_id(self) -> str:
+        return self.owner.http.get("/v1/me/browser-sessions").json()["items"][0]["id"]
+
+    def user_id(self) -> str:
+        return self.owner.known_id
+
+    def preset(self) -> str:
+        folder = self.stack.data_dir / "cache" / "thumbnails" / self.data_set_id()
+        folder.mkdir(parents=True)
+        (folder / "bone.jpg").write_bytes(b"\xff\xd8\xff")
+        for path in (folder / "bone.jpg", folder, folder.parent):
+            self.stack.stack.run_as.own(path)
+        return "bone"
+
+    # What has to be there before the question
+
+    def token_for(self, one: Person, purpose: str) -> str:
+        """As a mail would hold it."""
+        token = hashlib.sha256(uuid.uuid4().bytes).hexdigest()
+        new_email = f"new-{uuid.uuid4().hex}@example.org" if purpose == "change" else None
+        self.stack.psql("""INSERT INTO email_tokens (token_hash, user_id, purpose, expires_at, new_email)
+                           VALUES (%s, %s, %s, now() + interval '1 hour', %s)""",
+                        stored(token), one.known_id, purpose, new_email)
+        return token
+
+    def export_of(self, one: Person, state: str) -> None:
+        """`one` has an export already."""
+        if not hasattr(one, "known_id"):
+            return
+        export = str(uuid.uuid4())
+        self.stack.psql("""INSERT INTO exports (id, user_id, state, bytes, created_at, expires_at)
+                           VALUES (%s, %s, %s, 3, now(), now() + interval '1 day')""", export, one.known_id, state)
+        folder = self.stack.data_dir / "cache" / "exports"
+        folder.mkdir(exist_ok=True)
+        (folder / f"{export}.zip").write_bytes(b"zip")
+        for path in (folder / f"{export}.zip", folder):
+            self.stack.stack.run_as.own(path)
+
+
+def stored(token: str) -> str:
+    return hashlib.blake2b(token.encode(), digest_size=32).hexdigest()
+
+
+RECORDING = {"format": "diaphane-interaction", "version": 1, "viewport": {"width": 64, "height": 64},
+             "events": [{"at_ms": 0, "scene": {}}]}
+SCENE = CONTRACT.spec["components"]["schemas"]["Scene"]["example"]
+NEW_PASSWORD = "another long and quiet one"
+
+#: Bodies by operation: (world, who asks) -> body.
+bodies: dict[str, Callable[[World, Person], Any]] = {
+    "signUp": lambda world, who: {"email": f"new-{uuid.uuid4().hex}@example.org", "password": PASSWORD},
+    "verifyAccount": lambda world, who: {"token": world.token_for(world.someone("unverified"), "verify")},
+    "signIn": lambda world, who: {"email": world.owner.email, "password": PASSWORD},
+    "requestPasswordReset": lambda world, who: {"email": f"nobody-{uuid.uuid4().hex}@example.org"},
+    "resetPassword": lambda world, who: {"token": world.token_for(world.owner, "reset"), "password": NEW_PASSWORD},
+    "confirmEmailChange": lambda world, who: {"token": world.token_for(world.owner, "change")},
+    "changePassword": lambda world, who: {"current": PASSWORD, "password": NEW_PASSWORD},
+    "requestEmailChange": lambda world, who: {"email": f"new-{uuid.uuid4().hex}@example.org", "password": PASSWORD},
+    "deleteAccount": lambda world, who: {"password": PASSWORD},
+    "createDataSet": lambda world, who: {"bytes": 10},
+    "changeUser": lambda world, who: {"quota_bytes": 1000},
+    "createSession": lambda world, who: {"data_set_id": ready_to_render(world)},
+    "createRecording": lambda world, who: RECORDING,
+    "anonymise": lambda world, who: {"keep": KEEP, "volume_hash": store(world.stack, world.data_set_id()),
+                                     "confirm": "this cannot be undone"},
+    "describeDataSet": lambda world, who: {"title": "Another"},
+    "setVisibility": lambda world, who: {"visibility": "private"},
+    "shareWithPerson": lambda world, who: {"email": f"friend-{uuid.uuid4().hex}@example.org", "may": "view"},
+    "createDataSetLink": lambda world, who: {"hours": 1},
+    "followLink": lambda world, who: {"token": world.link()["token"]},
+    "createVisit": lambda world, who: {"token": world.link()["token"], "key": "1" * 64},
+    "setPublicName": lambda world, who: {"public_name": "A patient"},
+    "createPreset": lambda world, who: {"name": "b", "scene": SCENE},
+    "changePreset": lambda world, who: {"name": "c"},
+    "setDefaultPreset": lambda world, who: {"preset_id": world.preset_id()},
+    "voteForPreset": lambda world, who: {"value": 1},
+    "reportDataSet": lambda world, who: {"reason": "other"},
+    "takeDownDataSet": lambda world, who: {"reason": "A name is on it."},
+    "join": lambda world, who: {"token": world.owner.http.post(f"/v1/sessions/{world.session_id()}/links").json()["token"],
+                                "key": "0" * 64},
+}
+#: What is true before the question.
+before: dict[str, Callable[[World, Person], None]] = {
+    "getExport": lambda world, who: world.export_of(who, "queued"),
+    "deleteExport": lambda world, who: world.export_of(who, "ready"),
+    "downloadExport": lambda world, who: world.export_of(who, "ready"),
+    "createTicket": lambda world, who: add_worker(world.stack, "who-may", slots=1000),
+    "createVisit": lambda world, who: add_worker(world.stack, "who-may", slots=1000),
+    "voteForPreset": lambda world, who: world.publish(),
+    "reportDataSet": lambda world, who: world.publish(),
+    "takeDownDataSet": lambda world, who: world.publish(),
+    "restoreDataSet": lambda world, who: world.take_down(),
+}
+
+
+def ready_to_render(world: World) -> str:
+    add_worker(world.stack, "who-may", slots=1000)
+    return world.data_set_id()
+
+
+def ask(world: World, role: str, path: str, method: str, operation: dict[str, Any]) -> httpx.Response:
+    """One operation about the owner's things, as somebody of that role."""
+    name = operation["operationId"]
+    who = world.someone(role)
+    before.get(name, lambda *_: None)(world, who)
+    for parameter in operation["parameters"]:
+        if parameter["in"] == "path":
+            make = getattr(world, parameter["name"], None)
+            assert make, f"{name}: World has no {parameter['name']}() yet (who_may_world.py)"
+            path = path.replace("{" + parameter["name"] + "}", make())
+    headers = {"Tus-Resumable": "1.0.0"} if path.startswith("/v1/uploads") else {}
+    if name == "createUpload":
+        headers["Upload-Length"] = "10"
+    if name == "appendToUpload":
+        return who.patch(path, 0, b"0123456789")
+    if name in ("changePreset", "deletePreset"):
+        headers["If-Match"] = '"1"'
+    if name == "importPreset":
+        xml = CONTRACT.resolve(operation["requestBody"])["content"]["application/xml"]["example"]
+        return who.http.request(method, path, content=xml, headers={"Content-Type": "application/xml"})
+    body: Any = None
+    if name in bodies:
+        body = bodies[name](world, who)
+    elif "requestBody" in operation:
+        schema = CONTRACT.resolve(CONTRACT.resolve(operation["requestBody"])["content"]["application/json"]["schema"])
+        assert not schema.get("required"), f"{name} needs a body (who_may_world.py)"
+        body = {}
+    return who.http.request(method, path, headers=headers, **({} if body is None else {"json": body}))
+
+
+def known_hash(stack: TestStack) -> str:
+    """The stored form of PASSWORD."""
+    one = person(stack)
+    return stack.psql("SELECT password_hash FROM users WHERE id = %s", one.id)[0][0]
+
+
+__all__ = ["ROLES", "World", "ask", "client", "known_hash"]

@@ -1,0 +1,87 @@
+"""`./diaphane fuzz`: libFuzzer on what reads bytes of strangers, with the address and undefined-behaviour sanitizers."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import build, install, paths
+from .says import HouseError, say, step, warn
+
+TARGETS = ("precheck", "codestream", "tar", "report", "volume")
+SOURCES = paths.REPO / "tests" / "fuzz"
+#: A run longer than this, or larger, is a finding.
+SECONDS_A_RUN, MEGABYTES = 5, 1024
+
+
+@dataclass(frozen=True)
+class Found:
+    target: str
+    runs: int
+    words: str      # of the finding; nothing: none
+
+    @property
+    def well(self) -> bool:
+        return not self.words
+
+
+def run(target: str | None, seconds: int, minimise: bool = False, may_install: bool = True) -> int:
+    if target is not None and target not in TARGETS:
+        raise HouseError(f"no target '{target}'; there are: {', '.join(TARGETS)}", 64)
+    install.ensure("test", may_install)
+    chosen = TARGETS if target is None else (target,)
+    all_found = fuzz(chosen, seconds)
+    for found in all_found:
+        say(f"{found.target:<12} {found.runs:>9} runs: {'nothing found' if found.well else 'FOUND'}")
+        if not found.well:
+            warn(found.words)
+    if minimise and all(found.well for found in all_found):
+        for name in chosen:
+            _minimise(name)
+    return 0 if all(found.well for found in all_found) else 1
+
+
+def fuzz(targets: tuple[str, ...], seconds: int) -> list[Found]:
+    """As many at a time as there are cores."""
+    folder = build.configure("fuzz")
+    build.ninja(folder, [f"bin/fuzz_{name}" for name in targets])
+    step(f"Fuzzing {', '.join(targets)}, {seconds} s each")
+    with ThreadPoolExecutor(build.jobs()) as pool:
+        return list(pool.map(lambda name: _fuzz(folder, name, seconds), targets))
+
+
+def _fuzz(folder: Path, name: str, seconds: int) -> Found:
+    """What is new goes to build/fuzz/corpus, findings to build/fuzz/findings; the kept corpus is only read."""
+    corpus, findings = folder / "corpus" / name, folder / "findings"
+    corpus.mkdir(parents=True, exist_ok=True)
+    findings.mkdir(exist_ok=True)
+    done = subprocess.run(
+        [folder / "bin" / f"fuzz_{name}", f"-max_total_time={seconds}", f"-timeout={SECONDS_A_RUN}",
+         f"-rss_limit_mb={MEGABYTES}", "-max_len=8192", "-print_final_stats=1", f"-artifact_prefix={findings}/{name}-",
+         corpus, SOURCES / "corpus" / name],
+        env=_environment(), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+        errors="replace")
+    stats = [line.split() for line in done.stderr.splitlines() if line.startswith("stat::number_of_executed_units")]
+    words = "" if done.returncode == 0 else "\n".join(done.stderr.splitlines()[-60:])
+    return Found(name, int(stats[0][1]) if stats else 0, words)
+
+
+def _environment() -> dict[str, str]:
+    return {**os.environ, "ASAN_OPTIONS": "detect_leaks=1", "UBSAN_OPTIONS": "halt_on_error=1:print_stacktrace=1"}
+
+
+def _minimise(name: str) -> None:
+    """The kept corpus becomes the fewest and smallest files that reach all that has been reached."""
+    folder, kept = paths.REPO / "build" / "fuzz", SOURCES / "corpus" / name
+    fresh = folder / "fresh" / name
+    shutil.rmtree(fresh, ignore_errors=True)
+    fresh.mkdir(parents=True)
+    subprocess.run([folder / "bin" / f"fuzz_{name}", "-merge=1", "-max_len=4096", fresh, kept, folder / "corpus" / name],
+                   env=_environment(), stdin=subprocess.DEVNULL, capture_output=True, check=True)
+    shutil.rmtree(kept, ignore_errors=True)
+    shutil.copytree(fresh, kept)
+    say(f"{name}: {len(list(kept.iterdir()))} files kept")

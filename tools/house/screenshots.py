@@ -1,0 +1,106 @@
+"""`./diaphane screenshots FOLDER`: a picture of every page, at three sizes, light and dark, for somebody to look at."""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import Iterator
+
+from . import bench, build, chromium, install, page_walk
+from .bench_client import Person, cranium
+from .bench_stack import running
+from .says import say
+from .stack import Stack
+
+SIZES = {"phone": (390, 844), "tablet": (820, 1180), "desk": (1440, 900)}
+LOOKS = ("light", "dark")
+
+
+def run(out: Path, only: str) -> int:
+    install.ensure("bench")
+    if not bench.in_venv():
+        return bench.again_in_venv()
+    build.build_page()
+    build.build_programs()
+    from playwright.sync_api import sync_playwright
+
+    out.mkdir(parents=True, exist_ok=True)
+    made = 0
+    with running("cpu") as stack, tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        person = Person(stack)
+        shown = _scans(stack, person, Path(folder))
+        browser = playwright.chromium.launch(executable_path=chromium.path(), args=chromium.ARGS)
+        for size, (width, height) in SIZES.items():
+            for look in LOOKS:
+                for name, page in _pages(browser, stack, person, shown, (width, height), look, only):
+                    page.screenshot(path=out / f"{name}-{size}-{look}.png", full_page=page.locator(".viewer").count() == 0)
+                    made += 1
+        browser.close()
+    say(f"{made} pictures in {out}")
+    return 0
+
+
+def _scans(stack: Stack, person: Person, folder: Path) -> str:
+    """One that is ready, and one in each other state that a card can have; the id of the first."""
+    bundle = cranium(stack, folder)
+    ready = person.upload(bundle)
+    person.wait_ready(ready)
+    others = {title: person.http.post("/v1/data-sets", json={"title": title, "bytes": 40_000_000}).raise_for_status().json()
+              for title in ("Knee after the fall", "Shoulder, the disc that could not be read", "Chest, spring")}
+    part = bundle.read_bytes()[:8 << 20]
+    person.http.patch(others["Chest, spring"]["upload_url"], content=part, headers={
+        "Tus-Resumable": "1.0.0", "Upload-Offset": "0", "Content-Type": "application/offset+octet-stream"}).raise_for_status()
+    import psycopg
+
+    with psycopg.connect(stack.settings.dsn, autocommit=True) as database:
+        database.execute("UPDATE data_sets SET title = 'Head, spring' WHERE id = %s", [ready])
+        database.execute("UPDATE data_sets SET state = 'building' WHERE title LIKE 'Knee%'")
+        database.execute("""UPDATE data_sets SET state = 'refused', refusal_code = 'missing_slices',
+                            refusal_text = '3 slices are missing; copy the disc again.' WHERE title LIKE 'Shoulder%'""")
+        database.execute("UPDATE users SET is_administrator = true WHERE id = %s", [person.http.get("/v1/me").json()["id"]])
+    return ready
+
+
+def _pages(browser, stack: Stack, person: Person, shown: str, size: tuple[int, int], look: str, only: str) -> Iterator[tuple[str, object]]:
+    """(name, page that shows it), one after the other."""
+    url = stack.settings.url
+    for who in (page_walk.NOBODY, page_walk.PERSON):
+        phone = size[0] < 500
+        context = browser.new_context(viewport={"width": size[0], "height": size[1]}, color_scheme=look, reduced_motion="reduce",
+                                      is_mobile=phone, has_touch=phone, device_scale_factor=1)
+        if who == page_walk.PERSON:
+            context.add_cookies([{"name": c.name, "value": c.value, "url": url} for c in person.http.cookies.jar])
+        page = context.new_page()
+        page.set_default_timeout(30_000)
+        for place in page_walk.places(shown):
+            if place.who != who or only not in place.name:
+                continue
+            page_walk.go(page, url, place, shown)
+            page.wait_for_timeout(1500 if "view" in place.path else 400)    # pictures that come later
+            yield place.name, page
+            if place.path == "/add" and who == page_walk.PERSON:
+                yield from _found(page, stack)
+        context.close()
+
+
+def _found(page, stack: Stack) -> Iterator[tuple[str, object]]:
+    """What the page says of a disc: one series that fits, and some that do not."""
+    with tempfile.TemporaryDirectory() as folder:
+        disc = Path(folder) / "disc"
+        subprocess.run([str(stack.layout.bin / "diaphane-sample"), "--write-dicom", str(disc)], check=True, stdout=subprocess.DEVNULL)
+        (disc / "readme.txt").write_text("start viewer.exe", encoding="utf-8")
+        chooser = page.get_by_label("Choose a folder")
+        chooser.set_input_files(disc)
+        page.wait_for_selector(".series-card")
+        page.wait_for_timeout(400)
+        yield "person-add-found", page
+        few = Path(folder) / "few"
+        few.mkdir()
+        for file in sorted(disc.iterdir())[:3]:
+            file.rename(few / file.name)
+        page.get_by_role("button", name="Choose another folder").click()
+        page.get_by_label("Choose a folder").set_input_files(few)
+        page.wait_for_selector(".hidden-series")
+        yield "person-add-nothing", page
+
