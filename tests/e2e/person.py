@@ -53,6 +53,10 @@ class Person:
         self.page.get_by_role("button", name="Sign in").click()
         expect(self.page.get_by_role("heading", name="My scans")).to_be_visible()
 
+    def becomes_administrator(self) -> None:
+        """One who may do all that administrators may, from the next look at a page on."""
+        self.stack.psql("UPDATE users SET is_administrator = true WHERE email = %s", self.email)
+
     def choose_folder(self, folder: Path) -> None:
         self.page.goto(self.stack.url + "/add")
         self.page.get_by_label("Choose a folder").set_input_files(folder)

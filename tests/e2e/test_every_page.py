@@ -34,7 +34,7 @@ def shown(stack: TestStack, browser, cranium: Path):
     context = browser.new_context(viewport={"width": 960, "height": 640})
     person = Person.arrives(stack, context.new_page(), "walker")
     data_set = person.has_scan(cranium, "Walked")
-    stack.psql("UPDATE users SET is_administrator = true WHERE email = %s", person.email)
+    person.becomes_administrator()
     yield context.cookies(), data_set
     context.close()
 

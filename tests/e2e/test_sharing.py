@@ -16,7 +16,7 @@ def look_through_reports(stack: TestStack, page, pictures: Path) -> None:
     boss = Person.arrives(stack, page, "boss")
     page.goto(stack.url + "/reports")
     expect(page.get_by_text("Only an administrator may do this.")).to_be_visible()
-    stack.psql("UPDATE users SET is_administrator = true WHERE email = %s", boss.email)
+    boss.becomes_administrator()
     page.reload()
     expect(page.get_by_text("I only try this.")).to_be_visible()
     page.screenshot(path=pictures / "reports.png")

@@ -78,6 +78,14 @@ class Person:
         self.http.headers["X-CSRF-Token"] = self.csrf
         return self
 
+    def becomes_administrator(self) -> "Person":
+        """One who may do all that administrators may; whoever is signed in as that person is one from now on."""
+        self.stack.psql("UPDATE users SET is_administrator = true WHERE email = %s", self.email)
+        return self
+
+    def is_no_administrator(self) -> None:
+        self.stack.psql("UPDATE users SET is_administrator = false WHERE email = %s", self.email)
+
     @property
     def id(self) -> str:
         return self.http.get("/v1/me").json()["id"]

@@ -39,10 +39,9 @@ def test_who_is_not_signed_in_gets_nowhere(api, operation):  # noqa: F811
 @pytest.fixture(scope="module")
 def boss(api):  # noqa: F811
     """Of the operations that only an administrator may call."""
-    made = person(api)
-    api.psql("UPDATE users SET is_administrator = true WHERE email = %s", made.email)
+    made = person(api).becomes_administrator()
     yield made
-    api.psql("UPDATE users SET is_administrator = false WHERE email = %s", made.email)
+    made.is_no_administrator()
 
 
 FOR_ADMINISTRATORS = {"listUsers", "getUser", "changeUser", "listAudit", "getFleet", "takeDownDataSet", "restoreDataSet", "listReports", "dismissReport"}
@@ -204,15 +203,14 @@ def preset_ways(one, data_set: str) -> None:
 
 def report_ways(stack, data_set: str) -> None:
     """The data set is public before and after."""
-    boss, other = person(stack), person(stack)
-    stack.psql("UPDATE users SET is_administrator = true WHERE email = %s", boss.email)
+    boss, other = person(stack).becomes_administrator(), person(stack)
     boss.http.post(f"/v1/data-sets/{data_set}/reports", json={"reason": "other", "words": "twice"})
     other.http.post(f"/v1/data-sets/{data_set}/reports", json={"reason": "identifies"})
     reports = boss.http.get("/v1/reports").json()["items"]
     boss.http.delete(f"/v1/reports/{reports[0]['id']}")
     boss.http.post(f"/v1/data-sets/{data_set}/take-down", json={"reason": "A name is on it."})
     boss.http.delete(f"/v1/data-sets/{data_set}/take-down")
-    stack.psql("UPDATE users SET is_administrator = false WHERE email = %s", boss.email)
+    boss.is_no_administrator()
 
 
 def test_every_operation_of_the_contract_succeeds_somewhere(api, one, boss):  # noqa: F811

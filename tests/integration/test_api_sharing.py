@@ -288,7 +288,7 @@ def test_reported_and_taken_down_it_is_gone_for_all_but_its_owner(api, one, othe
     for who in (one, other, boss):
         problem(who.http.get("/v1/reports"), 403, "forbidden")
         problem(who.http.post(f"/v1/data-sets/{made}/take-down", json={"reason": "x"}), 403, "forbidden")
-    api.psql("UPDATE users SET is_administrator = true WHERE email = %s", boss.email)
+    boss.becomes_administrator()
     [report] = [r for r in boss.http.get("/v1/reports").json()["items"] if r["data_set_id"] == made]
     assert report["reason"] == "identifies" and report["title"] == "Reported" and other.email not in str(report)
     answer = boss.http.post(f"/v1/data-sets/{made}/take-down", json={"reason": "A name is burnt into the picture."})

@@ -22,8 +22,7 @@ LEFT_OUT = ("signOut", "signOutEverywhere", "deleteAccount", "endBrowserSession"
 @pytest.fixture
 def administrator(api):  # noqa: F811
     """Whom everything is open to."""
-    one = person(api)
-    api.psql("UPDATE users SET is_administrator = true WHERE email = %s", one.email)
+    one = person(api).becomes_administrator()
     add_worker(api, "schemathesis", slots=1000, seconds=3600)
     yield one
     remove_worker(api, "schemathesis")
