@@ -25,7 +25,8 @@ export class SentElsewhere extends Error {}
 export class Uploads {
   private readonly views_ = signal<ReadonlyMap<string, UploadView>>(new Map());
   private readonly own_ = new Map<string, Own>();
-  private readonly others_ = new OtherWindows(() => this.merge_others());
+  private readonly others_ = new OtherWindows(() => this.merge_others(), () => this.own_views());
+  private told_ms_ = -Infinity;
 
   constructor(private readonly api_: Api) {
     addEventListener("online", () => {
@@ -35,8 +36,8 @@ export class Uploads {
       if ([...this.views_.value.values()].some(is_open)) event.preventDefault(); // the browser asks whether to leave
     });
     setInterval(() => {
-      this.others_.tell([...this.views_.value.values()].filter(is_open));
-      this.merge_others();
+      this.tell_others();
+      void this.others_.look();
     }, told_every_ms);
   }
 
@@ -47,14 +48,14 @@ export class Uploads {
   /** Begins, or goes on where these files were cut. Gives the data set's id once bytes can flow; rejects with ApiProblem or SentElsewhere. */
   async start(files: readonly Blob[], title: string, fingerprint: string): Promise<string> {
     const bundle = make_bundle(files);
-    const earlier = await this.interrupted(fingerprint, bundle.size);
+    const earlier = await this.go_on_with(fingerprint, bundle.size);
     const upload = earlier ?? (await this.create(title, bundle.size, files.length));
     const id = upload.data_set_id;
-    if (this.phase(id) === "elsewhere") throw new SentElsewhere();
     remember_upload(localStorage, fingerprint, upload);
     this.own_.set(id, { bundle, url: upload.upload_url, running: null });
     this.show({ ...begun(id, bundle.size), sent: earlier?.received ?? 0 });
     this.send_next();
+    this.others_.tell();
     return id;
   }
 
@@ -101,8 +102,23 @@ export class Uploads {
     this.views_.value = new Map();
   }
 
+  /** As `interrupted`, and this window is the one that sends it from now on. */
+  private async go_on_with(fingerprint: string, bytes: number): ReturnType<Uploads["interrupted"]> {
+    const known = remembered_upload(localStorage, fingerprint);
+    if (known?.bytes !== bytes || this.own_.has(known.data_set_id)) return null;
+    if (!(await this.others_.claim(known.data_set_id))) throw new SentElsewhere();
+    let found: Awaited<ReturnType<Uploads["interrupted"]>> = null;
+    try {
+      found = await this.interrupted(fingerprint, bytes);
+    } finally {
+      if (!found) this.others_.release(known.data_set_id);
+    }
+    return found;
+  }
+
   private async create(title: string, bytes: number, slices: number): Promise<RememberedUpload> {
     const made = await this.api_.create_data_set(title, bytes, slices, random_key());
+    await this.others_.claim(made.data_set.id); // nobody else knows of it yet
     return { data_set_id: made.data_set.id, upload_url: made.upload_url, bytes };
   }
 
@@ -119,16 +135,18 @@ export class Uploads {
 
   private send(id: string, own: Own): RunningUpload {
     return start_upload(own.bundle, own.url, () => this.api_.csrf_token, {
-      progress: (sent) => this.change(id, (view) => with_progress(view, sent, performance.now())),
+      progress: (sent) => {
+        this.change(id, (view) => with_progress(view, sent, performance.now()));
+        this.tell_others();
+      },
       hindered: (by) => this.change(id, (view) => hindered(view, by)),
       end: (end) => {
         if (end.kind === "done") {
           forget_upload(localStorage, id);
-          this.own_.delete(id);
-          this.others_.tell([], [id]);
+          this.let_go(id);
           this.change(id, (view) => in_phase({ ...view, sent: view.total }, "sent"));
         } else {
-          this.own_.delete(id);
+          this.let_go(id);
           this.change(id, (view) => refused(view, end));
         }
         this.send_next();
@@ -149,6 +167,17 @@ export class Uploads {
     if (view) this.show(to(view));
   }
 
+  private own_views(): readonly UploadView[] {
+    return [...this.views_.value.values()].filter((view) => is_open(view) && this.own_.has(view.data_set_id));
+  }
+
+  /** By the timer, which sleeps in a window in the background, and by what arrives, which wakes it. */
+  private tell_others(): void {
+    if (performance.now() - this.told_ms_ < told_every_ms / 2) return;
+    this.told_ms_ = performance.now();
+    this.others_.tell();
+  }
+
   private merge_others(): void {
     const kept = [...this.views_.value].filter(([, view]) => view.phase !== "elsewhere");
     const heard = this.others_.views().filter((view) => !this.own_.has(view.data_set_id));
@@ -156,9 +185,14 @@ export class Uploads {
     this.views_.value = new Map([...kept, ...heard.map((view) => [view.data_set_id, in_phase(view, "elsewhere")] as const)]);
   }
 
+  /** This window has nothing more to send of it. */
+  private let_go(id: string): void {
+    if (this.own_.delete(id)) this.others_.release(id);
+  }
+
   private drop(id: string): void {
     this.own_.get(id)?.running?.stop();
-    if (this.own_.delete(id)) this.others_.tell([], [id]);
+    this.let_go(id);
     const views = new Map(this.views_.value);
     views.delete(id);
     this.views_.value = views;
