@@ -43,6 +43,7 @@ describe("the door to a session", () => {
   it.each([
     [401, "unauthenticated", "signed_out", true],
     [404, "not-found", "not_found", true],
+    [403, "render-time-spent", "time_spent", true],
     [409, "not-ready", "not_ready", false],
     [503, "no-worker", "no_worker", false],
     [503, "unavailable", "unreachable", false],

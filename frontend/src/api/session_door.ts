@@ -76,6 +76,7 @@ async function again(api: SessionApi, id: string, signal: AbortSignal): Promise<
 function refusal(problem: ApiProblem): { trouble: Trouble; final: boolean } {
   if (problem.status === 401) return { trouble: "signed_out", final: true };
   if (problem.status === 404) return { trouble: "not_found", final: true };
+  if (problem.kind === "render-time-spent") return { trouble: "time_spent", final: true };
   if (problem.kind === "not-ready") return { trouble: "not_ready", final: false };
   if (problem.kind === "no-worker") return { trouble: "no_worker", final: false };
   return { trouble: "unreachable", final: false };

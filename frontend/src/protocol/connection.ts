@@ -14,7 +14,7 @@ export type Phase =
   | "stopped";
 
 /** Why there is no picture (yet), as a key of the texts. */
-export type Trouble = "lost" | "worker_lost" | "no_worker" | "unreachable" | "not_found" | "not_ready" | "signed_out" | "refused" | "taken_over" | "link_ended";
+export type Trouble = "lost" | "worker_lost" | "no_worker" | "unreachable" | "not_found" | "not_ready" | "signed_out" | "refused" | "taken_over" | "link_ended" | "time_spent";
 
 export interface ConnectionState {
   readonly phase: Phase;

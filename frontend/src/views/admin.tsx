@@ -9,6 +9,7 @@ import { Link, navigate } from "./router";
 import { admin_parts, type AdminPart } from "./routes";
 import { Notice, PageTitle } from "./shell";
 import { useApp } from "./state";
+import { Table } from "./table";
 
 const fleet_asked_every_ms = 2000;
 
@@ -16,11 +17,18 @@ export function Admin({ part }: { readonly part: AdminPart }) {
   return (
     <div class="page admin">
       <PageTitle text={t.titles.admin} />
-      <nav class="tabs" aria-label={t.titles.admin}>
-        {admin_parts.map((one) => <Link key={one} href={`/admin/${one}`} current={one === part}>{t.admin.parts[one]}</Link>)}
-      </nav>
+      <AdminTabs at={part} />
       {part === "users" ? <Users /> : part === "audit" ? <Audit /> : <FleetState />}
     </div>
+  );
+}
+
+export function AdminTabs({ at }: { readonly at: AdminPart | "reports" }) {
+  return (
+    <nav class="tabs" aria-label={t.titles.admin}>
+      {admin_parts.map((one) => <Link key={one} href={`/admin/${one}`} current={one === at}>{t.admin.parts[one]}</Link>)}
+      <Link href="/reports" current={at === "reports"}>{t.sharing.reports.title}</Link>
+    </nav>
   );
 }
 
@@ -63,24 +71,19 @@ function Users() {
       {items === null && !wrong ? <p class="muted" role="status">{t.loading}</p> : null}
       {items?.length === 0 ? <p role="status">{t.admin.none}</p> : null}
       {items && items.length > 0 ? (
-        <div class="table-box" tabIndex={0} role="region" aria-label={t.admin.parts.users}>
-          <table>
-            <thead><tr><th>{heads.email}</th><th>{heads.state}</th><th>{heads.scans}</th><th>{heads.storage}</th><th>{heads.time}</th><th>{heads.seen}</th><th><span class="visually-hidden">{t.admin.change}</span></th></tr></thead>
-            <tbody>
-              {items.map((user) => (
-                <tr key={user.id}>
-                  <td>{user.email}</td>
-                  <td><States user={user} /></td>
-                  <td>{user.data_sets}</td>
-                  <td>{t.my_account.storage_used(bytes_text(user.quota.used_bytes), bytes_text(user.quota.bytes))}</td>
-                  <td>{t.my_account.time_used(t.my_account.hours(user.render_time.used_ms), t.my_account.hours(user.render_time.quota_ms))}</td>
-                  <td>{user.used_at ? date_text(user.used_at) : t.admin.never}</td>
-                  <td><button type="button" class="button button-small" aria-label={t.admin.change_of(user.email)} onClick={() => set_changing(user)}>{t.admin.change}</button></td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
-        </div>
+        <Table
+          label={t.admin.parts.users}
+          heads={[heads.email, heads.state, heads.scans, heads.storage, heads.time, heads.seen, heads.change]}
+          rows={items.map((user) => ({ key: user.id, cells: [
+            user.email,
+            <States user={user} />,
+            user.data_sets,
+            t.my_account.storage_used(bytes_text(user.quota.used_bytes), bytes_text(user.quota.bytes)),
+            t.my_account.time_used(t.my_account.hours(user.render_time.used_ms), t.my_account.hours(user.render_time.quota_ms)),
+            user.used_at ? date_text(user.used_at) : t.admin.never,
+            <button type="button" class="button button-small" aria-label={t.admin.change_of(user.email)} onClick={() => set_changing(user)}>{t.admin.change}</button>,
+          ] }))}
+        />
       ) : null}
       {next ? <p><button type="button" class="button" onClick={more}>{t.admin.more}</button></p> : null}
       {changing ? (
@@ -190,22 +193,17 @@ function Audit() {
       {wrong ? <Notice kind="bad">{wrong}</Notice> : null}
       {items?.length === 0 ? <p role="status">{t.admin.none}</p> : null}
       {items && items.length > 0 ? (
-        <div class="table-box" tabIndex={0} role="region" aria-label={t.admin.parts.audit}>
-          <table>
-            <thead><tr><th>{heads.when}</th><th>{heads.who}</th><th>{heads.what}</th><th>{heads.whom}</th><th>{heads.details}</th></tr></thead>
-            <tbody>
-              {items.map((entry) => (
-                <tr key={entry.id}>
-                  <td>{date_text(entry.happened_at)}</td>
-                  <td>{who_of(entry)}</td>
-                  <td><code>{entry.action}</code></td>
-                  <td>{entry.subject_email ?? (entry.subject_id ? `${entry.subject} ${entry.subject_id.slice(0, 8)}` : entry.subject)}</td>
-                  <td>{Object.entries(entry.details).map(([name, value]) => `${name} ${value}`).join(", ")}</td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
-        </div>
+        <Table
+          label={t.admin.parts.audit}
+          heads={[heads.when, heads.who, heads.what, heads.whom, heads.details]}
+          rows={items.map((entry) => ({ key: String(entry.id), cells: [
+            date_text(entry.happened_at),
+            who_of(entry),
+            <code>{entry.action}</code>,
+            entry.subject_email ?? (entry.subject_id ? `${entry.subject} ${entry.subject_id.slice(0, 8)}` : entry.subject),
+            Object.entries(entry.details).map(([name, value]) => `${name} ${value}`).join(", "),
+          ] }))}
+        />
       ) : null}
       {next ? <p><button type="button" class="button" onClick={more}>{t.admin.more}</button></p> : null}
     </>
@@ -249,23 +247,18 @@ function FleetState() {
       {fleet ? <p>{t.admin.ingest(fleet.ingest.queued, fleet.ingest.building)}</p> : null}
       {fleet?.workers.length === 0 ? <Notice kind="bad">{t.admin.no_workers}</Notice> : null}
       {fleet && fleet.workers.length > 0 ? (
-        <div class="table-box" tabIndex={0} role="region" aria-label={t.admin.parts.fleet}>
-          <table>
-            <thead><tr><th>{heads.id}</th><th>{heads.device}</th><th>{heads.places}</th><th>{heads.load}</th><th>{heads.volumes}</th><th>{heads.state}</th></tr></thead>
-            <tbody>
-              {fleet.workers.map((worker) => (
-                <tr key={worker.id}>
-                  <td>{worker.id}</td>
-                  <td>{worker.device} ({worker.engine})</td>
-                  <td>{worker.used} / {worker.slots}</td>
-                  <td><meter min={0} max={1} value={worker.load} aria-label={heads.load} /> {Math.round(worker.load * 100)} %</td>
-                  <td>{worker.volumes}</td>
-                  <td>{worker.draining ? t.admin.draining : t.admin.working}</td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
-        </div>
+        <Table
+          label={t.admin.parts.fleet}
+          heads={[heads.id, heads.device, heads.places, heads.load, heads.volumes, heads.state]}
+          rows={fleet.workers.map((worker) => ({ key: worker.id, cells: [
+            worker.id,
+            `${worker.device} (${worker.engine})`,
+            `${worker.used} / ${worker.slots}`,
+            <><meter min={0} max={1} value={worker.load} aria-label={heads.load} /> {Math.round(worker.load * 100)} %</>,
+            worker.volumes,
+            worker.draining ? t.admin.draining : t.admin.working,
+          ] }))}
+        />
       ) : null}
     </>
   );

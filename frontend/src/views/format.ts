@@ -24,5 +24,8 @@ export function dicom_date_text(date: string): string {
 export const date_text = (instant: string): string =>
   new Intl.DateTimeFormat(undefined, { dateStyle: "medium", timeStyle: "short" }).format(new Date(instant));
 
+/** The time of the day, of milliseconds since 1970. */
+export const time_text = (at_ms: number): string => new Intl.DateTimeFormat(undefined, { timeStyle: "short" }).format(at_ms);
+
 /** A time of the server as this person writes days. */
 export const day_text = (time: string): string => new Intl.DateTimeFormat(undefined, { dateStyle: "long" }).format(new Date(time));

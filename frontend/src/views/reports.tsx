@@ -1,6 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Report } from "../api/types";
 import { t } from "../texts/en";
+import { AdminTabs } from "./admin";
 import { Dialog } from "./dialog";
 import { Field } from "./field";
 import { date_text } from "./format";
@@ -29,20 +30,20 @@ export function Reports() {
   };
   return (
     <div class="page">
-      <div>
-        <PageTitle text={text.title} />
-        <p class="muted">{text.lead}</p>
-      </div>
+      <PageTitle text={text.title} />
+      {app.me.value?.administrator ? <AdminTabs at="reports" /> : null}
+      <p class="muted">{text.lead}</p>
       {fault ? <Notice kind="bad">{fault}</Notice> : null}
       {reports === null && !fault ? <p class="muted" role="status">{t.loading}</p> : null}
       {reports?.length === 0 ? <p role="status">{text.none}</p> : null}
       <ul class="saved-presets" aria-label={text.title}>
         {reports?.map((report) => (
           <li key={report.id} data-report-id={report.id}>
+            {report.title ? <h2 class="card-title">{report.title}</h2> : null}
             <p><strong>{t.sharing.report.reasons[report.reason]}</strong> <small class="muted">{date_text(report.created_at)}</small></p>
             {report.words ? <p class="card-description">{report.words}</p> : null}
             <div class="saved-acts">
-              {report.title ? <Link class="button button-small" href={`/view/${report.data_set_id}`} label={t.sharing.gallery.open(report.title)}>{t.sharing.gallery.open(report.title)}</Link> : <span class="muted">{text.is_private}</span>}
+              {report.title ? <Link class="button button-small" href={`/view/${report.data_set_id}`} label={t.sharing.gallery.open(report.title)}>{text.open}</Link> : <span class="muted">{text.is_private}</span>}
               {report.title && !report.taken_down ? (
                 <button type="button" class="button button-small button-danger" aria-label={text.take_down_of(report.title)} onClick={() => {
                   set_reason("");

@@ -7,7 +7,7 @@ import { bytes_text } from "./format";
 import { Icon } from "./icons";
 import { Link } from "./router";
 import { ScanCard, title_of } from "./scan_card";
-import { Notice, PageTitle } from "./shell";
+import { Notice, PageTitle, focus_title } from "./shell";
 import { useApp } from "./state";
 import { use_warm_thumbnails } from "./thumbnail";
 
@@ -56,6 +56,7 @@ export function Scans() {
     set_removing(null);
     try {
       await app.uploads.cancel(set.id);
+      focus_title(); // the button that had the focus goes with the card
     } catch (thrown) {
       set_fault(app.explain(thrown));
     }

@@ -49,7 +49,7 @@ export function Shell({ children }: { readonly children: ComponentChildren }) {
             <Link href="/scans" current={route.value.page === "scans"}>{t.nav.scans}</Link>
             <Link href="/add" current={route.value.page === "add"}>{t.nav.add}</Link>
             <Link href="/gallery" current={route.value.page === "gallery"}>{t.sharing.gallery.nav}</Link>
-            {me.administrator ? <Link href="/admin" current={route.value.page === "admin"}>{t.nav.admin}</Link> : null}
+            {me.administrator ? <Link href="/admin" current={["admin", "reports"].includes(route.value.page)}>{t.nav.admin}</Link> : null}
           </nav>
         ) : (
           <nav class="bar-nav" aria-label={t.name}>
@@ -59,6 +59,7 @@ export function Shell({ children }: { readonly children: ComponentChildren }) {
         <div class="bar-end">
           {me ? <UploadLine /> : null}
           <ThemeSwitch />
+          {me === null && !["sign_in", "sign_up"].includes(route.value.page) ? <Link href="/sign-in" class="button button-small">{t.account.sign_in}</Link> : null}
           {me ? (
             <>
               <Link href="/account" class="bar-account" label={`${t.nav.account}: ${me.email}`} current={route.value.page === "account"}>
@@ -87,6 +88,11 @@ export function PageTitle({ text, first }: { readonly text: string; readonly fir
     if (!first) heading.current?.focus({ preventScroll: true });
   }, [text, first]);
   return <h1 ref={heading} tabIndex={-1}>{text}</h1>;
+}
+
+/** Where the focus goes when what had it is no more. */
+export function focus_title(): void {
+  document.querySelector<HTMLElement>("h1")?.focus({ preventScroll: true });
 }
 
 export function Notice({ kind, children }: { readonly kind: "bad" | "info" | "good"; readonly children: ComponentChildren }) {

@@ -5,7 +5,7 @@ export const admin = {
   find: "Search",
   more: "Show more",
   none: "Nothing found.",
-  heads: { email: "Address", state: "State", scans: "Scans", storage: "Space", time: "Picture time", seen: "Last seen" },
+  heads: { email: "Address", state: "State", scans: "Scans", storage: "Space", time: "Picture time", seen: "Last seen", change: "Change" },
   not_verified: "not confirmed",
   disabled: "switched off",
   administrator: "administrator",

@@ -101,6 +101,7 @@ export const sharing = {
     lead: "What people said is wrong with public scans. Who said it is not shown.",
     none: "Nothing to do.",
     is_private: "Its owner has made it private meanwhile.",
+    open: "Look",
     take_down: "Take down",
     take_down_of: (title: string) => `Take down ${title}`,
     take_down_lead: "Nobody but its owner sees it from then on. Who looks at it is sent away. It is noted in the audit log.",

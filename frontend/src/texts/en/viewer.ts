@@ -11,6 +11,7 @@ const troubles: Record<Trouble, string> = {
   not_found: "There is no such scan, or it belongs to somebody else.",
   signed_out: "You are signed out. Sign in again to go on.",
   taken_over: "This picture goes on in another window.",
+  time_spent: "Your picture time of this month is used up.",
   link_ended: "This link was ended by the person who shared it, or is too old.",
 };
 
@@ -21,6 +22,16 @@ export const viewer = {
   first: "Preparing the picture…",
   troubles,
   continue_here: "Continue here",
+  picture_time: {
+    soon: (minutes: number) => `${minutes > 1 ? `About ${count(minutes, "minute", "minutes")}` : "Less than a minute"} of your picture time ${minutes > 1 ? "are" : "is"} left this month. A picture that has become sharp takes none.`,
+    ending: (at: string, anew: string) => `Your picture time of this month is used up. This picture ends at ${at}. It starts anew on ${anew}.`,
+    over: "No picture time left",
+    over_text: (anew: string) => `Renderers work for every picture, and yours of this month is used up. It starts anew on ${anew}. Your scans are kept, and nothing is lost.`,
+    over_before: "Renderers work for every picture, and yours of this month is used up. Your scans are kept, and nothing is lost.",
+    more: "Who runs this Diaphane can give you more.",
+    hide: "Hide this",
+    account: "See what was used",
+  },
   presets: "Looks",
   preset: { skin: "Skin", muscle: "Muscle", vessels: "Vessels", bone: "Bone" } as Readonly<Record<string, string>>,
   reset: "Reset the view",

@@ -1,10 +1,19 @@
+import type { ComponentChildren } from "preact";
 import { t } from "../../texts/en";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Icon } from "../icons";
 import { Link } from "../router";
+import { PictureTimeOver } from "./picture_time";
+
+export interface StatusLineProps {
+  readonly session: ViewerSession | null;
+  readonly fault: string;
+  /** What else there is to say, below. */
+  readonly children: ComponentChildren;
+}
 
 /** Why there is no picture, or no new one: said in words, and read out. */
-export function StatusLine({ session, fault }: { readonly session: ViewerSession | null; readonly fault: string }) {
+export function StatusLine({ session, fault, children }: StatusLineProps) {
   const connection = session?.connection.value;
   const trouble = connection?.trouble ?? null;
   const shown = session?.picture.value ?? null;
@@ -13,10 +22,13 @@ export function StatusLine({ session, fault }: { readonly session: ViewerSession
   // A refusal is told in the server's own words, where it gave any.
   const said = session?.problem.value ?? "";
   const text = [fault, trouble === "refused" ? said : "", trouble ? t.viewer.troubles[trouble] : "", said].find((line) => line !== "") ?? "";
+  const over = trouble === "time_spent";
   const waiting = text === "" && shown === null;
   return (
-    <div class={`viewer-status${shown === null ? " viewer-status-middle" : ""}`} role="status" data-phase={connection?.phase ?? "idle"}>
-      {waiting ? (
+    <div class={`viewer-status${shown === null || over ? " viewer-status-middle" : ""}`} role="status" data-phase={connection?.phase ?? "idle"}>
+      {over ? (
+        <PictureTimeOver />
+      ) : waiting ? (
         <p class="glass pill"><span class="spinner" />{t.viewer.first}</p>
       ) : text ? (
         <p class={`glass pill${trouble && !stopped ? " pill-warn" : " pill-bad"}`}>
@@ -29,6 +41,7 @@ export function StatusLine({ session, fault }: { readonly session: ViewerSession
           ) : null}
         </p>
       ) : null}
+      {over ? null : children}
     </div>
   );
 }

@@ -21,6 +21,7 @@ import { ThemeSwitch } from "../shell";
 import { HelpDialog } from "./help_dialog";
 import { LiveLine } from "./live_line";
 import { OrientationCube } from "./orientation_cube";
+import { PictureTimeLine } from "./picture_time";
 import { Presets } from "./presets";
 import { QualityPanel } from "./quality_panel";
 import { RecordedInteraction, RecordingDialog } from "./recording";
@@ -167,9 +168,11 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
           {tool("help", "help")}
         </div>
       </header>
-      <StatusLine session={session} fault={fault} />
+      <StatusLine session={session} fault={fault}>
+        {own ? <PictureTimeLine onHide={() => canvas.current?.focus()} /> : null}
+      </StatusLine>
       {session && role.follows ? <LiveLine session={session} role={role} /> : null}
-      {session ? (
+      {session && session.connection.value.trouble !== "time_spent" ? (
         <>
           <OrientationCube session={session} />
           {onCut && place.data_set_id !== null ? <CutPanel session={session} data_set_id={place.data_set_id} onConfirm={onCut} /> : null}
