@@ -56,7 +56,7 @@ class TestStack:
         for program in programs or tuple(self.stack.running_):
             self.stack.wait_ready(program, timeout)
 
-    def wait_until(self, condition: Callable[[], T], timeout: float = 20.0, what: str = "the condition") -> T:
+    def wait_until(self, condition: Callable[[], T], timeout: float = 60.0, what: str = "the condition") -> T:
         """The first true value of `condition`; AssertionError after `timeout` seconds."""
         deadline = time.monotonic() + timeout
         while True:

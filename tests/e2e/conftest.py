@@ -19,8 +19,9 @@ from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 from harness import REPO
 from house import chromium
+from person import PATIENCE_MS
 
-expect.set_options(timeout=20_000)  # other tests and builds may share the cores
+expect.set_options(timeout=PATIENCE_MS)
 
 
 @pytest.fixture(scope="session")
@@ -46,7 +47,7 @@ def visit(browser: Browser):
                                       has_touch=phone, device_scale_factor=2 if phone else 1, **more)
         contexts.append(context)
         page = context.new_page()
-        page.set_default_timeout(20_000)
+        page.set_default_timeout(PATIENCE_MS)
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.on("console", lambda message: faults.append(message.text)
                 if "Content Security Policy" in message.text else None)

@@ -52,7 +52,7 @@ def spread(a: bytes) -> float:
     return sum(abs(x - mean) for x in a) / len(a)
 
 
-def wait_for_samples(stack: TestStack, page: Page, samples: int, input_seq: int = 0, timeout: float = 60) -> Facts:
+def wait_for_samples(stack: TestStack, page: Page, samples: int, input_seq: int = 0, timeout: float = 120) -> Facts:
     """Waits for a picture of at least so many samples that shows that input (or a newer one)."""
 
     def enough() -> Facts | None:

@@ -72,7 +72,7 @@ def test_the_face_is_cut_away_in_the_picture_for_good(stack: TestStack, visit, c
     page.get_by_label("I have looked at it from all sides").check()
     page.screenshot(path=pictures / "cut-confirm.png")
     confirm.click()
-    expect(page.get_by_role("heading", name="It is done")).to_be_visible(timeout=60_000)
+    expect(page.get_by_role("heading", name="It is done")).to_be_visible()
     page.screenshot(path=pictures / "cut-done.png")
 
     header = json.loads((stack.data_dir / "volumes" / data_set / "volume.json").read_text())
@@ -80,7 +80,7 @@ def test_the_face_is_cut_away_in_the_picture_for_good(stack: TestStack, visit, c
     assert stack.psql("SELECT anonymised_at IS NOT NULL, is_nullified FROM (SELECT anonymised_at, cut_problem IS NULL AS is_nullified"
                       " FROM data_sets WHERE id = %s) d", data_set) == [(True, True)]
     page.get_by_role("link", name="Look at it, and share it").click()
-    expect(page.locator("canvas[data-samples]")).to_be_visible(timeout=30_000)
+    expect(page.locator("canvas[data-samples]")).to_be_visible()
     wait_for_samples(stack, page, 8)
     page.screenshot(path=pictures / "cut-after.png")
     page.get_by_role("button", name="Share this scan").click()
@@ -92,7 +92,7 @@ def test_on_a_phone_the_handles_go_with_a_finger(stack: TestStack, visit, craniu
     person = Person.arrives(stack, page, "finger")
     data_set = person.has_scan(cranium, "A head")
     page.goto(f"{stack.url}/cut/{data_set}")
-    expect(page.get_by_text("This scan shows a head")).to_be_visible(timeout=30_000)
+    expect(page.get_by_text("This scan shows a head")).to_be_visible()
     wait_for_samples(stack, page, 2)
     page.screenshot(path=pictures / "cut-phone.png")
     handle = page.locator('[data-handle="z-high"]')
@@ -105,5 +105,5 @@ def test_on_a_phone_the_handles_go_with_a_finger(stack: TestStack, visit, craniu
         touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     assert value(page, "z-high") < before - 2
     page.get_by_role("link", name="Cancel").click()
-    expect(page.locator("canvas[data-samples]")).to_be_visible(timeout=30_000)
+    expect(page.locator("canvas[data-samples]")).to_be_visible()
     assert stack.psql("SELECT anonymised_at FROM data_sets WHERE id = %s", data_set) == [(None,)]

@@ -7,13 +7,13 @@ import time
 import zlib
 from pathlib import Path
 
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, expect
 
 from canaries import Search
 from harness import TestStack
 from hostile.canary_scan import CanaryScan
 from house import chromium
-from person import Person
+from person import PATIENCE_MS, Person
 from picture import drag, wait_for_samples
 from slow_network import SlowNetwork
 
@@ -68,14 +68,14 @@ def test_no_word_of_a_scan_leaves_the_browser(stack: TestStack, browser: Browser
         way = [f"--proxy-server=socks5://127.0.0.1:{network.port}", "--proxy-bypass-list=<-loopback>"]
         recorded = browser.browser_type.launch(executable_path=chromium.path(), args=[*chromium.ARGS, *way])
         page = recorded.new_context(viewport={"width": 480, "height": 320}).new_page()
-        page.set_default_timeout(20_000)
+        page.set_default_timeout(PATIENCE_MS)
         person = Person.arrives(stack, page, "anna")
         person.has_scan(folder, "Nameless scan")
         person.open_scan("Nameless scan")
         wait_for_samples(stack, page, 2)
         drag(page, 60, 20)
         page.goto(f"{stack.url}/scans")
-        page.wait_for_timeout(500)
+        expect(person.card("Nameless scan").get_by_role("img")).to_be_visible()
         recorded.close()
         sent = [spoken(bytes(connection)) for connection in network.sent]
     everything = b"\n".join(sent)

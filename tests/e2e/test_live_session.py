@@ -8,7 +8,7 @@ from playwright.sync_api import Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import difference, drag, facts, pixels, spread, wait_for_samples
+from picture import Facts, difference, drag, facts, pixels, spread, wait_for_samples
 from test_pages import check_page
 
 
@@ -20,17 +20,13 @@ def same_picture(stack: TestStack, a: Page, b: Page) -> None:
         a.wait_for_timeout(50)
         return one == other and one.samples > 0 and difference(pixels(a), pixels(b)) < 3
 
-    stack.wait_until(alike, timeout=60, what="one picture in both browsers")
+    stack.wait_until(alike, timeout=120, what="one picture in both browsers")
 
 
-def settled_epoch(page: Page) -> int:
-    """A turn ends with one picture more: the whole one, once the pointer was lifted."""
-    epoch = -1
-    while epoch != facts(page).epoch:
-        epoch = facts(page).epoch
-        page.wait_for_timeout(1000)
-    return epoch
-
+def settled(stack: TestStack, page: Page) -> Facts:
+    """A turn ends with one picture more: the whole one, once the pointer was lifted. That word is there long before so many
+    samples of what was shown while it moved."""
+    return wait_for_samples(stack, page, 16)
 
 
 def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, visit, cranium: Path, pictures: Path):
@@ -57,7 +53,7 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     follower.screenshot(path=pictures / "live-join.png")
     check_page(follower)
     follower.get_by_role("button", name="Join", exact=True).click()
-    expect(follower.locator("canvas[data-samples]")).to_be_visible(timeout=30_000)
+    expect(follower.locator("canvas[data-samples]")).to_be_visible()
     expect(follower.get_by_text("Owner presents")).to_be_visible()
     expect(owner.locator("[data-participant]")).to_have_count(2)
     expect(owner.get_by_text("Bob")).to_be_visible()
@@ -73,10 +69,9 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     stack.wait_until(lambda: facts(owner).epoch > epoch or owner.wait_for_timeout(50), what="the turn")
     same_picture(stack, owner, follower)
     assert difference(before, pixels(follower)) > 3
-    settled = settled_epoch(owner)
+    before = settled(stack, owner)
     drag(follower, 100, 0)
-    follower.wait_for_timeout(700)
-    assert facts(owner).epoch == settled
+    assert wait_for_samples(stack, owner, before.samples + 8).epoch == before.epoch
     follower.screenshot(path=pictures / "live-follower.png")
     check_page(follower)
 
@@ -84,7 +79,7 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     phone = visit(phone=True)
     phone.goto(link)
     phone.get_by_role("button", name="Join", exact=True).click()
-    expect(phone.get_by_text("Owner presents")).to_be_visible(timeout=30_000)
+    expect(phone.get_by_text("Owner presents")).to_be_visible()
     wait_for_samples(stack, phone, 1)
     phone.screenshot(path=pictures / "live-phone.png")
     check_page(phone)
@@ -116,7 +111,7 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     expect(follower.get_by_role("status").filter(has_text="This link was ended")).to_be_visible()
     expect(owner.locator("[data-participant]")).to_have_count(1)
     owner.get_by_role("button", name="Present again").click()
-    expect(owner.get_by_text("presents", exact=True)).to_be_visible(timeout=15_000)
+    expect(owner.get_by_text("presents", exact=True)).to_be_visible()
     owner.get_by_role("dialog").get_by_role("button", name="Close").click()
     epoch = facts(owner).epoch
     drag(owner, -80, 0)
@@ -138,8 +133,9 @@ def test_interaction_is_recorded_only_with_consent_and_can_be_taken_back(stack: 
     page.screenshot(path=pictures / "recording.png")
     check_page(page)
     page.get_by_role("dialog").get_by_role("button", name="Close").click()
+    before = facts(page)
     drag(page, 150, 40)
-    page.wait_for_timeout(300)
+    wait_for_samples(stack, page, 1, input_seq=before.input_seq + 1)
     page.get_by_role("link", name="My scans").click()  # leaving keeps what was recorded
     stored = stack.wait_until(lambda: stack.psql("SELECT body FROM recordings") or page.wait_for_timeout(50), what="the recording")
     body = stored[0][0]

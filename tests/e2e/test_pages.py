@@ -44,7 +44,7 @@ def test_every_page_is_accessible_and_fits(stack: TestStack, visit, cranium: Pat
     expect(page.get_by_text("One series can be shown")).to_be_visible()
     seen("series")
     person.has_scan(cranium, "A head")
-    expect(page.get_by_role("img", name="Picture of A head")).to_be_visible(timeout=60_000)
+    expect(page.get_by_role("img", name="Picture of A head")).to_be_visible()
     seen("scans")
     person.open_scan("A head")
     wait_for_samples(stack, page, 2)
@@ -61,7 +61,7 @@ def test_the_sample_is_there_for_everybody_and_marked(stack: TestStack, visit, p
     page = visit()
     person = Person.arrives(stack, page, "guest")
     card = page.locator(f"article[data-id='{done.stdout.strip()}']")
-    expect(card).to_have_attribute("data-state", "ready", timeout=60_000)
+    expect(card).to_have_attribute("data-state", "ready")
     expect(card.get_by_text("Sample", exact=True)).to_be_visible()
     expect(card.get_by_role("button")).to_have_count(0)  # nothing to delete
     check_page(page)

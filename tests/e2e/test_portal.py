@@ -43,11 +43,11 @@ def test_a_disc_becomes_a_picture_loses_its_face_is_found_and_goes(stack: TestSt
     anna = Person.arrives(stack, visit(wide=True), "anna")
     page = anna.page
     anna.choose_folder(disc)
-    expect(page.get_by_text("One series can be shown")).to_be_visible(timeout=30_000)
+    expect(page.get_by_text("One series can be shown")).to_be_visible()
     page.screenshot(path=pictures / "portal-disc.png")
     page.get_by_label("Your name for this scan").fill("From my disc")
     page.get_by_role("button", name="Upload", exact=True).click()
-    expect(anna.card("From my disc")).to_have_attribute("data-state", "ready", timeout=90_000)
+    expect(anna.card("From my disc")).to_have_attribute("data-state", "ready")
     data_set = anna.card("From my disc").get_attribute("data-id")
 
     # The face goes.
@@ -59,11 +59,11 @@ def test_a_disc_becomes_a_picture_loses_its_face_is_found_and_goes(stack: TestSt
     page.get_by_role("button", name="Cut for good…").click()
     page.get_by_label("I have looked at it from all sides").check()
     page.get_by_role("button", name="Cut it now, for good").click()
-    expect(page.get_by_role("heading", name="It is done")).to_be_visible(timeout=60_000)
+    expect(page.get_by_role("heading", name="It is done")).to_be_visible()
 
     # Everybody may see the rest.
     page.get_by_role("link", name="Look at it, and share it").click()
-    expect(page.locator("canvas[data-samples]")).to_be_visible(timeout=30_000)
+    expect(page.locator("canvas[data-samples]")).to_be_visible()
     page.get_by_role("button", name="Share this scan").click()
     dialog = page.get_by_role("dialog")
     dialog.get_by_label("Part of the body").select_option("head")
@@ -78,7 +78,7 @@ def test_a_disc_becomes_a_picture_loses_its_face_is_found_and_goes(stack: TestSt
     bert.page.get_by_role("link", name="Gallery").click()
     bert.page.get_by_label("Words of the title").fill("my disc")
     bert.page.get_by_role("link", name="Look at From my disc").click()
-    expect(bert.page.locator("canvas[data-samples]")).to_be_visible(timeout=30_000)
+    expect(bert.page.locator("canvas[data-samples]")).to_be_visible()
     bert.page.get_by_role("button", name="Saved presets").click()
     dialog = bert.page.get_by_role("dialog")
     dialog.get_by_label("Name of the new preset").fill("Without a face")
@@ -93,12 +93,12 @@ def test_a_disc_becomes_a_picture_loses_its_face_is_found_and_goes(stack: TestSt
     dialog.get_by_label("Current password").fill(PASSWORD)
     dialog.get_by_role("button", name="Delete everything").click()
     expect(page.get_by_role("heading", name="Create your account")).to_be_visible()
-    expect(bert.page.get_by_text("There is no such scan, or it belongs to somebody else.")).to_be_visible(timeout=60_000)
-    stack.wait_until(lambda: not (stack.data_dir / "volumes" / data_set).exists(), 20, "the volume's end")
-    stack.wait_until(lambda: not (stack.data_dir / "cache" / "thumbnails" / data_set).exists(), 20, "the pictures' end")
+    expect(bert.page.get_by_text("There is no such scan, or it belongs to somebody else.")).to_be_visible()
+    stack.wait_until(lambda: not (stack.data_dir / "volumes" / data_set).exists(), what="the volume's end")
+    stack.wait_until(lambda: not (stack.data_dir / "cache" / "thumbnails" / data_set).exists(), what="the pictures' end")
     for table, column in (("data_sets", "id"), ("presets", "data_set_id"), ("ingest_jobs", "data_set_id"), ("disposals", "id")):
         stack.wait_until(lambda t=table, c=column: stack.psql(f"SELECT count(*) FROM {t} WHERE {c} = %s", data_set) == [(0,)],
-                         20, f"nothing of it in {table}")
+                         what=f"nothing of it in {table}")
     assert stack.psql("SELECT count(*) FROM users WHERE email_key = %s", anna.email) == [(0,)]
     left = [str(path) for path in stack.data_dir.rglob("*") if data_set in path.name]
     assert left == []

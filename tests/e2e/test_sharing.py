@@ -60,7 +60,7 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     expect(guest.get_by_role("heading", name="A head to share")).to_be_visible()
     guest.screenshot(path=pictures / "shared-link.png")
     guest.get_by_role("button", name="Look at it").click()
-    expect(guest.locator("canvas[data-samples]")).to_be_visible(timeout=60_000)
+    expect(guest.locator("canvas[data-samples]")).to_be_visible()
 
     # Somebody else finds it, and keeps how it looked best.
     bert = Person.arrives(stack, visit(small=True), "bert")
@@ -78,7 +78,7 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     bert.page.keyboard.press("Escape")
     look_through_reports(stack, visit(small=True), pictures)
     bert.page.get_by_role("link", name="Look at A head to share").click()
-    expect(bert.page.locator("canvas[data-samples]")).to_be_visible(timeout=60_000)
+    expect(bert.page.locator("canvas[data-samples]")).to_be_visible()
     bert.page.locator("[data-preset=muscle]").click()
     bert.page.get_by_role("button", name="Saved presets").click()
     dialog = bert.page.get_by_role("dialog")
@@ -104,7 +104,7 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     expect(dialog.get_by_text("1 vote")).to_be_visible()
     before = facts(anna.page)
     dialog.get_by_role("button", name="Show Best of it").click()
-    expect(anna.page.locator(f"canvas[data-input-seq='{before.input_seq + 1}']")).to_be_visible(timeout=60_000)
+    expect(anna.page.locator(f"canvas[data-input-seq='{before.input_seq + 1}']")).to_be_visible()
     dialog.get_by_role("button", name="Open with this: Best of it").click()
     expect(dialog.get_by_text("Opens with this")).to_be_visible()
     dialog.get_by_role("button", name="Close").click()
@@ -112,7 +112,7 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     # Whoever opens it now sees it so.
     again = bert.page.context.new_page()
     again.goto(f"{stack.url}/view/{scan}")
-    expect(again.locator("[data-preset=muscle][aria-pressed=true]")).to_be_visible(timeout=60_000)
+    expect(again.locator("[data-preset=muscle][aria-pressed=true]")).to_be_visible()
     again.close()
 
     # Taken back, everybody else is sent away at once.
@@ -122,8 +122,8 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     expect(dialog.get_by_text("It is not in the gallery.")).to_be_visible()
     dialog.get_by_role("button", name="End the link").first.click()
     expect(dialog.get_by_text("Ended. Who came by it has left.")).to_be_visible()
-    expect(bert.page.get_by_text("There is no such scan, or it belongs to somebody else.")).to_be_visible(timeout=60_000)
-    expect(guest.get_by_text("This link was ended")).to_be_visible(timeout=60_000)
+    expect(bert.page.get_by_text("There is no such scan, or it belongs to somebody else.")).to_be_visible()
+    expect(guest.get_by_text("This link was ended")).to_be_visible()
     expect(anna.page.locator("canvas[data-samples]")).to_be_visible()
 
     # A sample is looked at before one has an account.
@@ -133,5 +133,5 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     nobody.get_by_role("link", name="Gallery").click()
     nobody.get_by_role("link", name="Look at A head to share").click()
     nobody.get_by_role("button", name="Look at it").click()
-    expect(nobody.locator("canvas[data-samples]")).to_be_visible(timeout=60_000)
+    expect(nobody.locator("canvas[data-samples]")).to_be_visible()
     stack.psql("DELETE FROM data_sets WHERE id = %s", scan)  # not for the tests that come after

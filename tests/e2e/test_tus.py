@@ -117,7 +117,7 @@ def test_the_page_itself_goes_on_through_the_servers_absence(tus_stack: TestStac
     page.route("**/v1/uploads/*", lambda route: tus_stack.kill("api") and route.continue_()
                if route.request.headers.get("upload-offset") == str(PART) and parts.count(str(PART)) == 1 else route.continue_())
     person.upload(cranium, "Survivor")
-    expect(person.card("Survivor")).to_have_attribute("data-state", "queued", timeout=60_000)
+    expect(person.card("Survivor")).to_have_attribute("data-state", "queued")
     assert parts.count("0") == 1 and parts.count(str(PART)) >= 2
     assert person.card("Survivor").count() == 1
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from playwright.sync_api import Page, expect
 
 from harness import TestStack
-from person import Person
+from person import PATIENCE_MS, Person
 from picture import drag, facts, wait_for_samples
 
 
@@ -22,7 +22,7 @@ def test_a_duplicated_window_takes_the_picture_over_until_it_is_asked_back(stack
     # but a window of its own does not always take the mouse in a headless browser.)
     remembered = first.evaluate("JSON.stringify(sessionStorage)")
     second = first.context.new_page()
-    second.set_default_timeout(20_000)
+    second.set_default_timeout(PATIENCE_MS)
     second.add_init_script(f"if (sessionStorage.length === 0) Object.assign(sessionStorage, {remembered})")
     second.goto(first.url)
     wait_for_samples(stack, second, 1)

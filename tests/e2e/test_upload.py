@@ -112,7 +112,7 @@ def test_a_cut_upload_goes_on_by_itself_and_after_a_reload(person: Person, crani
     person.choose_folder(cranium)
     expect(page.get_by_text(re.compile(r"was interrupted at \d\d %\. What has arrived is not sent again"))).to_be_visible()
     page.get_by_role("button", name="Go on with the upload").click()
-    expect(person.card("Cut head")).to_have_attribute("data-state", "ready", timeout=60_000)
+    expect(person.card("Cut head")).to_have_attribute("data-state", "ready")
     expect(person.card("Cut head")).to_have_count(1)  # the same data set went on
     assert offsets == ["8388608"]
 
@@ -130,6 +130,10 @@ class Dam:
         else:
             self.held.append(route)
 
+    def wait(self, stack: TestStack, uploads: int = 1) -> None:
+        """Until the first part of each has arrived and is stored: the browser begins the next one then."""
+        stack.wait_until(lambda: self.page.wait_for_timeout(50) or len(self.held) >= uploads, 120, "the second part")
+
     def opens(self) -> None:
         self.open = True
         for route in self.held:
@@ -144,6 +148,7 @@ def test_an_upload_is_paused_goes_on_and_is_cancelled(person: Person, cranium: P
     dam = Dam(page)
     person.upload(cranium, "Paused head")
     card = person.card("Paused head")
+    dam.wait(stack)
     expect(card).to_contain_text(re.compile(r"[5-9]\d %"))
     upload = stack.data_dir / "uploads" / f"{card.get_attribute('data-id')}.tar"
     page.get_by_role("button", name="Pause the upload of Paused head").click()
@@ -156,13 +161,14 @@ def test_an_upload_is_paused_goes_on_and_is_cancelled(person: Person, cranium: P
     page.get_by_role("link", name=re.compile("1 upload, ")).click()
     assert offsets == []
     page.get_by_role("button", name="Go on with the upload of Paused head").click()
-    expect(card).to_have_attribute("data-state", "ready", timeout=90_000)
+    expect(card).to_have_attribute("data-state", "ready")
     assert offsets == ["8388608"]
     assert not upload.exists()
 
     dam = Dam(page)
     person.upload(cranium, "Unwanted head")
     card = person.card("Unwanted head")
+    dam.wait(stack)
     expect(card).to_contain_text(re.compile(r"[5-9]\d %"))
     upload = stack.data_dir / "uploads" / f"{card.get_attribute('data-id')}.tar"
     assert upload.exists()
@@ -186,7 +192,7 @@ def test_several_uploads_go_on_side_by_side_and_another_window_sees_them(person:
     page.get_by_role("button", name="Upload", exact=True).click()
     for title in ("First head", "Second head"):
         expect(person.card(title)).to_contain_text(re.compile(r"[5-9]\d %"))
-    person.stack.wait_until(lambda: page.wait_for_timeout(50) or len(dam.held) == 2, what="both at once, each at its second part")
+    dam.wait(person.stack, uploads=2)  # both at once
 
     second = page.context.new_page()
     second.goto(person.stack.url + "/scans")
@@ -200,7 +206,7 @@ def test_several_uploads_go_on_side_by_side_and_another_window_sees_them(person:
 
     dam.opens()
     for title in ("First head", "Second head"):
-        expect(person.card(title)).to_have_attribute("data-state", "ready", timeout=90_000)
+        expect(person.card(title)).to_have_attribute("data-state", "ready")
 
 
 def test_a_full_disk_is_said_and_the_upload_goes_on_when_there_is_room(person: Person, cranium: Path):
@@ -217,7 +223,7 @@ def test_a_full_disk_is_said_and_the_upload_goes_on_when_there_is_room(person: P
     # A minute is long for a test; who does not want to wait either has these two.
     page.get_by_role("button", name="Pause the upload of Large head").click()
     page.get_by_role("button", name="Go on with the upload of Large head").click()
-    expect(person.card("Large head")).to_have_attribute("data-state", "ready", timeout=90_000)
+    expect(person.card("Large head")).to_have_attribute("data-state", "ready")
 
 
 def test_each_part_carries_its_checksum(person: Person, cranium: Path):

@@ -108,7 +108,7 @@ def test_names_never_leave_the_browser_and_are_nowhere_on_the_server(stack_facto
     assert canaries_in(uploaded[0].read_bytes()) == []
 
     stack.start("ingestd")
-    expect(person.card("Nameless head")).to_have_attribute("data-state", "ready", timeout=60_000)
+    expect(person.card("Nameless head")).to_have_attribute("data-state", "ready")
     person.open_scan("Nameless head")
     wait_for_samples(stack, person.page, 4)
 
@@ -132,8 +132,8 @@ def test_a_lost_renderer_is_said_and_mended_to_the_same_picture(stack_factory, v
     before = pixels(page)
 
     stack.kill("renderd")
-    expect(page.get_by_role("status").get_by_text("Coming back")).to_be_visible(timeout=10_000)
-    expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live", timeout=15_000)
+    expect(page.get_by_role("status").get_by_text("Coming back")).to_be_visible()
+    expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")
     again = wait_for_samples(stack, page, ENOUGH, input_seq=turned.input_seq)
     assert again.input_seq >= turned.input_seq
     assert difference(before, pixels(page)) < 3

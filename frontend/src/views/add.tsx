@@ -5,7 +5,7 @@ import type { ScanResult } from "../scan/types";
 import { t } from "../texts/en";
 import { Icon } from "./icons";
 import { SeriesList } from "./series_list";
-import { Bar, Notice, PageTitle } from "./shell";
+import { Bar, Notice, PageTitle, use_focus_kept } from "./shell";
 
 type Stage =
   | { readonly kind: "choose"; readonly fault?: string }
@@ -16,6 +16,7 @@ export function Add() {
   const [stage, set_stage] = useState<Stage>({ kind: "choose" });
   const scanning = useRef<AbortController | null>(null);
   useEffect(() => () => scanning.current?.abort(), []);
+  use_focus_kept(stage.kind);
 
   const scan = async (files: readonly File[]) => {
     const stopping = new AbortController();

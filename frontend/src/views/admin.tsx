@@ -254,7 +254,7 @@ function FleetState() {
             worker.id,
             `${worker.device} (${worker.engine})`,
             `${worker.used} / ${worker.slots}`,
-            <><meter min={0} max={1} value={worker.load} aria-label={heads.load} /> {Math.round(worker.load * 100)} %</>,
+            <span><meter min={0} max={1} value={worker.load} aria-label={heads.load} /> {Math.round(worker.load * 100)} %</span>,
             worker.volumes,
             worker.draining ? t.admin.draining : t.admin.working,
           ] }))}

@@ -40,8 +40,11 @@ export function Form({ onSubmit, busy, label, fault, danger, children }: FormPro
         event.preventDefault();
         const form = event.currentTarget;
         void onSubmit().then(() => {
-          // Once the faults are on the page: to the first of them.
-          requestAnimationFrame(() => form.querySelector<HTMLElement>("[aria-invalid]")?.focus());
+          // Once the faults are on the page: to the first of them. Without any, back to the button, which a wait has put out of reach.
+          requestAnimationFrame(() => {
+            const lost = document.activeElement === document.body;
+            form.querySelector<HTMLElement>(lost ? "[aria-invalid], [type=submit]" : "[aria-invalid]")?.focus();
+          });
         });
       }}
     >

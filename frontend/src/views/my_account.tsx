@@ -8,7 +8,7 @@ import { Field } from "./field";
 import { Form, fault, faults_of, type Faults } from "./form";
 import { bytes_text, date_text, day_text } from "./format";
 import { navigate } from "./router";
-import { Notice, PageTitle } from "./shell";
+import { Notice, PageTitle, use_focus_kept } from "./shell";
 import { useApp } from "./state";
 
 const asked_again_after_ms = 2000;
@@ -57,6 +57,7 @@ function Browsers() {
   const app = useApp();
   const [items, set_items] = useState<readonly BrowserSession[] | null>(null);
   const [wrong, set_wrong] = useState("");
+  use_focus_kept(items?.length);
   const load = () => {
     app.api.browser_sessions().then(set_items, (thrown: unknown) => set_wrong(app.explain(thrown)));
   };
@@ -182,6 +183,7 @@ function Password() {
 function Data() {
   const app = useApp();
   const [made, set_made] = useState<Export | null>(null);
+  use_focus_kept(made?.state);
   const [wrong, set_wrong] = useState("");
   const [round, set_round] = useState(0);
   useEffect(() => {

@@ -6,7 +6,7 @@ import { Dialog } from "./dialog";
 import { Field } from "./field";
 import { date_text } from "./format";
 import { Link } from "./router";
-import { Notice, PageTitle } from "./shell";
+import { Notice, PageTitle, use_focus_kept } from "./shell";
 import { useApp } from "./state";
 
 /** For an administrator: what people said is wrong with public scans. */
@@ -17,6 +17,7 @@ export function Reports() {
   const [reason, set_reason] = useState("");
   const [fault, set_fault] = useState("");
   const text = t.sharing.reports;
+  use_focus_kept(reports?.length);
 
   const load = () => app.api.sharing.reports().then(set_reports, (thrown: unknown) => set_fault(app.explain(thrown)));
   useEffect(() => void load(), [app]);

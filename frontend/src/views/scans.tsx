@@ -7,7 +7,7 @@ import { bytes_text } from "./format";
 import { Icon } from "./icons";
 import { Link } from "./router";
 import { ScanCard, title_of } from "./scan_card";
-import { Notice, PageTitle, focus_title } from "./shell";
+import { Notice, PageTitle, use_focus_kept } from "./shell";
 import { useApp } from "./state";
 import { use_warm_thumbnails } from "./thumbnail";
 
@@ -22,6 +22,7 @@ export function Scans() {
   const [round, set_round] = useState(0);
   const uploads = app.uploads.views.value;
   const open = [...uploads.values()].filter(is_open).length;
+  use_focus_kept(sets?.length);
 
   useEffect(() => {
     const leaving = new AbortController();
@@ -56,7 +57,6 @@ export function Scans() {
     set_removing(null);
     try {
       await app.uploads.cancel(set.id);
-      focus_title(); // the button that had the focus goes with the card
     } catch (thrown) {
       set_fault(app.explain(thrown));
     }

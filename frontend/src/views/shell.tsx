@@ -95,6 +95,13 @@ export function focus_title(): void {
   document.querySelector<HTMLElement>("h1")?.focus({ preventScroll: true });
 }
 
+/** A button that was pressed may go with what it changed: `what`. Who has only keys then goes on from the title, not from nowhere. */
+export function use_focus_kept(what: unknown): void {
+  useEffect(() => {
+    if (document.activeElement === document.body) focus_title();
+  }, [what]);
+}
+
 export function Notice({ kind, children }: { readonly kind: "bad" | "info" | "good"; readonly children: ComponentChildren }) {
   return (
     <p class={`notice notice-${kind}`} role={kind === "bad" ? "alert" : "status"}>

@@ -66,6 +66,7 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
   useEffect(() => {
     const element = canvas.current;
     if (!element) return;
+    if (document.activeElement === document.body) element.focus(); // the link that led here is gone
     const leaving = new AbortController();
     let opened: ViewerSession | null = null;
     void Promise.all([probe_codecs(chosen_codecs(localStorage)), probe_stills()]).then(([codecs, stills]) => {
