@@ -88,6 +88,8 @@ def test_every_page_fits_at_200_and_400_percent_and_moves_nothing_for_who_wants_
     for place in page_walk.places(data_set):
         if (place.who == page_walk.NOBODY) != (who == page_walk.NOBODY):
             continue
+        if who == page_walk.PERSON and place.path.startswith("/admin"):
+            continue  # for this person there is nothing here
         page_walk.go(page, stack.url, place, data_set)
         for width, height in WINDOWS:
             page.set_viewport_size({"width": width, "height": height})
