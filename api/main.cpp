@@ -173,9 +173,9 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   RecordingRepository recording_store(database);
   Recordings recordings(recording_store, clock);
   SharingRepository sharing_store(database);
-  Sharing sharing(data_sets, sharing_store, account_store, placed, clock,
-                  {.public_url = settings.public_url});
-  Visits visits(data_sets, sharing_store, account_store, placed, clock, {});
+  const SharingParts shared{data_sets, sharing_store, account_store, placed, clock};
+  Sharing sharing(shared, {.public_url = settings.public_url});
+  Visits visits(shared, {});
   PresetRepository preset_store(database);
   Presets presets(data_sets, preset_store, clock);
   ReportRepository report_store(database);

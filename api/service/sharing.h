@@ -3,6 +3,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "api/service/account_store.h"
@@ -12,6 +13,15 @@
 #include "common/clock.h"
 
 namespace diaphane::api {
+
+/// What sharing and visits work with; all of it outlives them.
+struct SharingParts {
+  DataSets& data_sets;
+  SharingStore& store;
+  AccountStore& accounts;
+  Placement& placement;
+  const Clock& clock;
+};
 
 /// Sharing a data set with people, by links, with everybody; taking it back ends the sessions of
 /// who lost it. Thread-safe.
@@ -32,8 +42,8 @@ class Sharing {
     std::optional<Cursor> next;
   };
 
-  Sharing(DataSets& data_sets, SharingStore& store, AccountStore& accounts, Placement& placement,
-          const Clock& clock, Options options);
+  Sharing(const SharingParts& parts, Options options)
+      : parts_(parts), options_(std::move(options)) {}
 
   Outcome<std::vector<SharedPerson>> people(const Principal& who, const std::string& id);
   /// kInvalid for what is no address; the same answer whoever has an account. kTooMany.
@@ -61,11 +71,7 @@ class Sharing {
   void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
 
  private:
-  DataSets& data_sets_;
-  SharingStore& store_;
-  AccountStore& accounts_;
-  Placement& placement_;
-  const Clock& clock_;
+  SharingParts parts_;
   Options options_;
   std::function<void()> wake_mailer_ = [] {};
 };
@@ -85,8 +91,7 @@ class Visits {
     Time expires_at;
   };
 
-  Visits(DataSets& data_sets, SharingStore& store, AccountStore& accounts, Placement& placement,
-         const Clock& clock, Options options);
+  Visits(const SharingParts& parts, Options options) : parts_(parts), options_(options) {}
 
   /// What a link leads to. kNotFound: it was ended, has expired or never was.
   Outcome<SharingStore::Followed> follow(const std::string& token);
@@ -99,11 +104,7 @@ class Visits {
   void expire();
 
  private:
-  DataSets& data_sets_;
-  SharingStore& store_;
-  AccountStore& accounts_;
-  Placement& placement_;
-  const Clock& clock_;
+  SharingParts parts_;
   Options options_;
 };
 
