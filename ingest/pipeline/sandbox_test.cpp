@@ -26,6 +26,8 @@ namespace {
 constexpr int kDid = 10;      // what was tried, worked
 constexpr int kRefused = 11;  // it failed, and the process goes on
 constexpr int kNoSandbox = 12;
+/// No child lives longer, whatever a broken sandbox lets it wait for: it ends by SIGALRM.
+constexpr unsigned kChildSeconds = 60;
 
 /// What a child finds open as 3 and 4; -1: nothing.
 struct Placed {
@@ -37,6 +39,7 @@ int inside(const std::function<int()>& act, const SandboxLimits& limits = {},
            const Placed& placed = {}) {
   const pid_t child = fork();
   if (child == 0) {
+    alarm(kChildSeconds);
     if (placed.input >= 0 && dup2(placed.input, 20) == 20) dup2(20, 3);
     if (placed.output >= 0 && dup2(placed.output, 21) == 21) dup2(21, 4);
     if (!enter_sandbox(limits)) _exit(kNoSandbox);
@@ -226,11 +229,13 @@ TEST_F(Sandbox, WhatIsSetCannotBeTakenBack) {
   ASSERT_EQ(pipe(ready), 0);
   const pid_t child = fork();
   if (child == 0) {
+    alarm(kChildSeconds);
     dup2(ready[1], 4);
     if (!enter_sandbox({})) _exit(kNoSandbox);
     if (write(4, "x", 1) != 1) _exit(kRefused);
     for (;;) sched_yield();
   }
+  close(ready[1]);  // a child that ends before it stands still is the end of the file
   char letter = 0;
   ASSERT_EQ(read(ready[0], &letter, 1), 1);
   const auto text_of = [&](const char* name) {
