@@ -1,7 +1,14 @@
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
+#include <cstddef>
 #include <set>
+#include <string>
+#include <vector>
 
+#include "common/claimed_port.h"
 #include "common/config.h"
 #include "common/ids.h"
 #include "common/log.h"
@@ -24,6 +31,32 @@ TEST(Ids, WhatCouldLeaveADirectoryIsNoId) {
   EXPECT_FALSE(is_id("00000000-0000-0000-0000-00000000000G"));
   EXPECT_FALSE(is_id("00000000-0000-0000-0000-0000000000000"));
   EXPECT_FALSE(is_id("00000000-0000-0000-0000-00000000000A"));
+}
+
+TEST(ClaimedPort, IsNobodyElsesAsLongAsItLives) {
+  std::vector<ClaimedPort> held;
+  std::set<std::uint16_t> numbers;
+  for (int i = 0; i < 100; ++i) {
+    auto port = ClaimedPort::take();
+    ASSERT_TRUE(port) << port.error().message;
+    EXPECT_TRUE(numbers.insert(port->number()).second);
+    held.push_back(*std::move(port));
+  }
+  // As ./diaphane up asks (tools/house/ports.py).
+  const std::string name = "diaphane-port-" + std::to_string(held.back().number());
+  const auto could_be_chosen = [&] {
+    const int mark = socket(AF_UNIX, SOCK_STREAM, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    name.copy(address.sun_path + 1, name.size());
+    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    const bool bound = bind(mark, reinterpret_cast<sockaddr*>(&address), size) == 0;
+    close(mark);
+    return bound;
+  };
+  EXPECT_FALSE(could_be_chosen());
+  held.pop_back();
+  EXPECT_TRUE(could_be_chosen());
 }
 
 TEST(Config, AnOptionWinsOverTheEnvironment) {

@@ -142,6 +142,7 @@ class StackHouse:
         running.stack.stop()
         if running in self.opened:
             self.opened.remove(running)
+            ports.give_back(running.ports.values())
         if not keep_data and not os.environ.get("DIAPHANE_KEEP"):
             shutil.rmtree(running.data_dir, ignore_errors=True)
 

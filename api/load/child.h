@@ -3,7 +3,6 @@
 #include <sys/types.h>
 
 #include <chrono>
-#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -33,8 +32,6 @@ class Child {
   pid_t pid_ = -1;
 };
 
-/// Of 127.0.0.1, free a moment ago. 0 when there is none.
-std::uint16_t free_port();
 /// Processor time of a process and all its threads, seconds; 0 when it is gone.
 double processor_seconds(pid_t pid);
 

@@ -47,11 +47,14 @@ Result<void> Stage::start_all(const Options& options) {
   if (wrong || !fs::exists(store + "/" + volume_id_ + "/volume.json")) {
     return fail(ErrorCode::kInvalid, options.volume_dir + " holds no volume");
   }
-  redis_port_ = free_port();
-  stream_port_ = free_port();
-  gateway_admin_ = free_port();
-  renderd_admin_ = free_port();
-  const std::uint16_t grpc_port = free_port();
+  std::uint16_t grpc_port = 0;
+  for (std::uint16_t* port :
+       {&redis_port_, &stream_port_, &gateway_admin_, &renderd_admin_, &grpc_port}) {
+    auto claimed = ClaimedPort::take();
+    if (!claimed) return tl::unexpected(claimed.error());
+    *port = claimed->number();
+    ports_.push_back(*std::move(claimed));
+  }
   origin_ = "http://localhost:" + std::to_string(stream_port_);
 
   const auto log = [&](const char* name) { return log_dir_ + "/" + name + ".log"; };

@@ -8,6 +8,7 @@
 
 #include "api/load/child.h"
 #include "api/load/scrape.h"
+#include "common/claimed_port.h"
 #include "common/result.h"
 
 namespace diaphane::api::load {
@@ -49,6 +50,7 @@ class Stage {
 
   std::string folder_, log_dir_, volume_id_, origin_;
   std::uint16_t redis_port_ = 0, stream_port_ = 0, gateway_admin_ = 0, renderd_admin_ = 0;
+  std::vector<ClaimedPort> ports_;
   std::vector<Child> children_;  // Redis, renderd, gateway
 };
 

@@ -1,40 +1,30 @@
 #include "api/redis/test_redis_server.h"
 
-#include <arpa/inet.h>
 #include <fcntl.h>
-#include <netinet/in.h>
 #include <signal.h>
 #include <stdlib.h>
-#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "api/redis/client.h"
 
 namespace diaphane::api::redis {
 namespace {
 
-std::uint16_t free_port() {
-  const int probe = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  auto* generic = reinterpret_cast<sockaddr*>(&address);
-  if (::bind(probe, generic, size) != 0 || ::getsockname(probe, generic, &size) != 0) {
-    throw std::runtime_error("no free port");
-  }
-  ::close(probe);
-  return ntohs(address.sin_port);
+ClaimedPort claimed_port() {
+  auto port = ClaimedPort::take();
+  if (!port) throw std::runtime_error(port.error().message);
+  return *std::move(port);
 }
 
 }  // namespace
 
-TestRedisServer::TestRedisServer() : port_(free_port()) {
+TestRedisServer::TestRedisServer() : port_(claimed_port()) {
   ::signal(SIGPIPE, SIG_IGN);  // as common/service does in the programs
   char pattern[] = "/tmp/diaphane-redis-XXXXXX";
   if (::mkdtemp(pattern) == nullptr) throw std::runtime_error("no temporary directory");
@@ -49,7 +39,7 @@ TestRedisServer::~TestRedisServer() {
 }
 
 void TestRedisServer::start() {
-  const std::string port = std::to_string(port_);
+  const std::string port = std::to_string(port_.number());
   pid_ = ::fork();
   if (pid_ == 0) {
     const int nothing = ::open("/dev/null", O_RDWR);

@@ -2,9 +2,10 @@
 
 #include <sys/types.h>
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
+
+#include "common/claimed_port.h"
 
 namespace diaphane::api::redis {
 
@@ -16,7 +17,7 @@ class TestRedisServer {
   TestRedisServer(const TestRedisServer&) = delete;
   TestRedisServer& operator=(const TestRedisServer&) = delete;
 
-  std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+  std::string address() const { return "127.0.0.1:" + std::to_string(port_.number()); }
   void start();  ///< on the same port as before; waits until it answers
   void kill();   ///< SIGKILL
   void pause();  ///< SIGSTOP: it accepts and never answers
@@ -24,7 +25,7 @@ class TestRedisServer {
 
  private:
   std::filesystem::path directory_;
-  std::uint16_t port_ = 0;
+  ClaimedPort port_;
   pid_t pid_ = -1;
 };
 

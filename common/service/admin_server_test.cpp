@@ -9,20 +9,10 @@
 #include <atomic>
 #include <chrono>
 
+#include "common/claimed_port.h"
+
 namespace diaphane::service {
 namespace {
-
-std::uint16_t free_port() {
-  const int fd = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address);
-  socklen_t size = sizeof address;
-  getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
-  close(fd);
-  return ntohs(address.sin_port);
-}
 
 std::string get(std::uint16_t port, const std::string& path) {
   const int fd = socket(AF_INET, SOCK_STREAM, 0);
@@ -42,8 +32,9 @@ std::string get(std::uint16_t port, const std::string& path) {
 
 TEST(AdminServer, ReadinessFollowsItsChecksAndHealthDoesNot) {
   std::atomic<bool> database{true};
+  const ClaimedPort claimed = ClaimedPort::take().value();
   AdminServer::Options options;
-  options.port = free_port();
+  options.port = claimed.number();
   options.program = "test";
   options.checks = {{"database", [&] { return database.load(); }}};
   options.details = [] { return std::string(R"({"engine":"cpu"})"); };
@@ -62,8 +53,9 @@ TEST(AdminServer, ReadinessFollowsItsChecksAndHealthDoesNot) {
 }
 
 TEST(AdminServer, APortInUseIsAnErrorNotACrash) {
+  const ClaimedPort claimed = ClaimedPort::take().value();
   AdminServer::Options first;
-  first.port = free_port();
+  first.port = claimed.number();
   AdminServer::Options second = first;
   auto a = AdminServer::start(std::move(first));
   ASSERT_TRUE(a.has_value());
@@ -73,8 +65,9 @@ TEST(AdminServer, APortInUseIsAnErrorNotACrash) {
 }
 
 TEST(AdminServer, StopsWithoutWaitingForALook) {
+  const ClaimedPort claimed = ClaimedPort::take().value();
   AdminServer::Options options;
-  options.port = free_port();
+  options.port = claimed.number();
   const std::uint16_t port = options.port;
   auto server = AdminServer::start(std::move(options));
   ASSERT_TRUE(server.has_value());

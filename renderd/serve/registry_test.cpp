@@ -1,8 +1,6 @@
 #include "renderd/serve/registry.h"
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <signal.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -10,24 +8,13 @@
 
 #include <thread>
 
+#include "common/claimed_port.h"
 #include "renderd/serve/test_worker.h"
 
 namespace diaphane::render {
 namespace {
 
 using namespace std::chrono_literals;
-
-std::uint16_t free_port() {
-  const int fd = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address);
-  socklen_t size = sizeof address;
-  getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
-  close(fd);
-  return ntohs(address.sin_port);
-}
 
 bool eventually(const std::function<bool()>& holds, std::chrono::milliseconds within = 8000ms) {
   const auto end = std::chrono::steady_clock::now() + within;
@@ -75,7 +62,8 @@ class TestRedis {
     return answer.empty() ? "" : answer.front();
   }
 
-  const RedisAddress address{"127.0.0.1", free_port()};
+  const ClaimedPort port = ClaimedPort::take().value();
+  const RedisAddress address{"127.0.0.1", port.number()};
 
  private:
   pid_t pid_ = 0;
@@ -223,6 +211,18 @@ TEST_F(RegistryTest, ASecondWorkerOfANameIsRefusedWhileTheFirstLivesAndTheNameNe
   EXPECT_TRUE(
       eventually([&] { return redis.field("diaphane:worker:w1", "incarnation") == "second"; }));
   EXPECT_EQ(refused, 1);
+}
+
+TEST_F(RegistryTest, WhatPicturesTookIsToldOnceForEachPerson) {
+  worker->host().spent().add("a", 1.5);
+  worker->host().spent().add("b", 0.0204);
+  redis.ask({"HSET", "diaphane:render_time", "a", "100"});
+  auto registry = announce();
+  EXPECT_TRUE(eventually([&] { return redis.field("diaphane:render_time", "a") == "1600"; }));
+  EXPECT_TRUE(eventually([&] { return redis.field("diaphane:render_time", "b") == "20"; }));
+  worker->host().spent().add("b", 0.0008);  // with the 0.4 ms that were left
+  EXPECT_TRUE(eventually([&] { return redis.field("diaphane:render_time", "b") == "21"; }));
+  EXPECT_EQ(redis.field("diaphane:render_time", "a"), "1600");
 }
 
 TEST_F(RegistryTest, TheLastSceneIsKeptAndOnlyByTheWorkerThatHasTheSession) {

@@ -23,6 +23,7 @@ def test_a_port_that_another_start_has_chosen_is_taken():
     import subprocess
     import sys
     port = ports.random_free()["edge"]
+    ports.give_back([port])
     code = f"from house import ports; print(ports.claim({port}), flush=True); input()"
     with subprocess.Popen([sys.executable, "-c", code], cwd=Path(__file__).parents[2] / "tools", text=True,
                           stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other:
@@ -30,6 +31,15 @@ def test_a_port_that_another_start_has_chosen_is_taken():
         assert not ports.claim(port)
         other.communicate("\n")
     assert ports.claim(port)
+    ports.give_back([port])
+
+
+def test_what_one_start_was_given_no_other_is():
+    given = [port for _ in range(20) for port in ports.random_free().values()]
+    assert len(set(given)) == len(given)
+    ports.give_back(given)
+    assert all(ports.claim(port) for port in given)
+    ports.give_back(given)
 
 
 def test_free_ports_are_given_as_wanted():

@@ -35,6 +35,7 @@ def prepared(base: Path, engine: str = "auto", only: Iterable[str] | None = None
 def running(engine: str = "auto", only: Iterable[str] | None = None, **extra_env: str) -> Iterator[Stack]:
     with folder(users.ordinary_user()) as base, prepared(base, engine, only, **extra_env) as stack:
         yield stack
+    ports.give_back(stack.ports.values())
 
 
 def peak_memory_mb(pid: int) -> float:

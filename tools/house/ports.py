@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import socket
+from typing import Iterable
 
 #: Default ports of one machine (docs/contracts.md), in the order in which they are handed out.
 DEFAULTS = {
@@ -49,6 +50,13 @@ def claim(port: int) -> bool:
     return True
 
 
+def give_back(given: Iterable[int]) -> None:
+    """What was claimed and is needed no more, so that others may have it."""
+    for port in given:
+        if mark := _claims.pop(port, None):
+            mark.close()
+
+
 def allot(wanted: dict[str, int], free=is_free) -> tuple[dict[str, int], list[str]]:
     """A port for each name, and what to say of those that were taken."""
     given: dict[str, int] = {}
@@ -68,11 +76,15 @@ def allot(wanted: dict[str, int], free=is_free) -> tuple[dict[str, int], list[st
 
 
 def random_free() -> dict[str, int]:
-    """For tests: free ports below the range from which the kernel takes the ports of outgoing connections,
-    so that nobody takes one of them while a program that had it is being restarted."""
+    """For tests and measurements: free ports below the range from which the kernel takes the ports of outgoing connections,
+    so that nobody takes one of them while a program that had it is being restarted. Claimed: give_back() when all is stopped."""
     given: dict[str, int] = {}
     while len(given) < len(DEFAULTS):
         port = random.randrange(15000, 30000)
-        if port not in given.values() and is_free(port):
+        if port in _claims or not claim(port):
+            continue
+        if is_free(port):
             given[list(DEFAULTS)[len(given)]] = port
+        else:
+            give_back([port])
     return given
