@@ -135,7 +135,8 @@ def test_the_fleet_is_what_redis_says(api, admin):  # noqa: F811
     remove_worker(api, "fleet-test")
 
 
-# Render time. `diaphane:render_time` is what a worker's heartbeat writes (RegistryTest in renderd/serve).
+# Render time. A worker adds to `diaphane:render_time` with its heartbeat (RegistryTest.WhatPicturesTookIsToldOnceForEachPerson
+# in renderd/serve); here that is done by hand.
 
 def spend(stack, one: Person, ms: int) -> None:
     before = one.http.get("/v1/me").json()["render_time"]["used_ms"]

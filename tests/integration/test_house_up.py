@@ -11,11 +11,12 @@ import time
 import urllib.error
 import urllib.request
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from harness import REPO, StackHouse
-from house import datadir, ports
+from house import bench_client, datadir, ports
 from house.processes import Identity, wait_gone
 
 PROGRAMS = {"edge", "api", "ingestd", "renderd", "postgres", "redis"}
@@ -27,7 +28,9 @@ class Home:
     def __init__(self, house: StackHouse):
         self.data = house.folder()
         self.data.chmod(0o755)
-        self.port = ports.random_free()["edge"]
+        given = ports.random_free()
+        self.port = given["edge"]
+        ports.give_back(given.values())     # the commands claim it themselves
 
     def run(self, *words: str, timeout: float = 120, env: dict | None = None) -> subprocess.CompletedProcess:
         return subprocess.run([str(REPO / "diaphane"), *words, "--data", str(self.data)], stdin=subprocess.DEVNULL,
@@ -48,6 +51,14 @@ def home(stack_house):
     made = Home(stack_house)
     yield made
     made.run("down")
+
+
+class Running:
+    """What bench_client.Person asks of a stack, of one that `up` has started."""
+
+    def __init__(self, home: Home):
+        self.data = home.data
+        self.settings = SimpleNamespace(url=home.record()["url"])
 
 
 def url_of(done: subprocess.CompletedProcess) -> str:
@@ -86,6 +97,41 @@ def test_up_down_and_up_again_keeps_everything_and_is_quick(home):
     assert time.monotonic() - before < 10
     assert (home.data / "secrets" / "postgres").read_text(encoding="ascii") == secret
     assert (home.data / "sample.loaded").read_text(encoding="ascii") == sample
+
+
+def test_administrators_are_made_and_unmade_by_a_command_on_what_runs(home):
+    assert home.run("admin", "list").returncode == 1
+    url_of(home.up())
+
+    def admin(*words: str) -> tuple[int, str, str]:
+        done = home.run("admin", *words)
+        return done.returncode, done.stdout, done.stderr
+
+    somebody = bench_client.Person(Running(home))
+    account = somebody.http.get("/v1/me").json()
+    email = account["email"]
+    assert not account["administrator"] and somebody.http.get("/v1/admin/users").status_code == 403
+    assert admin("list") == (0, "", "")
+    assert admin("grant", email.upper()) == (0, f"{email.upper()} is an administrator.\n", "")
+    assert admin("list") == (0, f"{email}\n", "")
+    assert somebody.http.get("/v1/me").json()["administrator"] and somebody.http.get("/v1/admin/users").status_code == 200
+    entries = somebody.http.get("/v1/admin/audit").json()["items"]
+    assert [(e["action"], e["actor"]) for e in entries if e["action"].startswith("administrator.")] == [("administrator.granted", "machine")]
+    assert admin("revoke", email)[0] == 0 and admin("list") == (0, "", "")
+    assert somebody.http.get("/v1/admin/users").status_code == 403
+
+    code, _, words = admin("grant", "nobody@example.org")
+    assert code == 1 and "There is no account with this address, or it is not confirmed yet." in words
+    for wrong, code, said in ((("grant",), 64, "grant whom?"), (("list", email), 64, "list takes no address"),
+                              (("crown", email), 2, "invalid choice: 'crown'"), ((), 2, "usage: ./diaphane admin")):
+        answer = admin(*wrong)
+        assert answer[:2] == (code, "") and said in answer[2], wrong
+
+
+def test_the_help_of_admin_needs_nothing_that_runs(home):
+    done = home.run("admin", "--help")
+    assert done.returncode == 0 and "EMAIL" in done.stdout and "{grant,revoke,list}" in done.stdout
+    assert done.stderr == ""
 
 
 def test_nothing_that_up_starts_runs_as_root(home):

@@ -12,8 +12,10 @@ from .plan import Settings
 from .says import HouseError
 
 
-def run(data: Path, words: list[str]) -> int:
-    """Hands `words` (grant EMAIL, revoke EMAIL, list) to diaphane-api with the database of what runs on `data`."""
+def run(data: Path, what: str, email: str | None) -> int:
+    """`what`: grant, revoke (of `email`) or list. Done by diaphane-api with the database of what runs on `data`."""
+    if (what == "list") == (email is not None):
+        raise HouseError("list takes no address" if email else f"{what} whom? ./diaphane admin {what} EMAIL", 64)
     if supervise.running_supervisor(data) is None:
         raise HouseError(f"nothing runs on {data}; start it first: ./diaphane up --detach")
     secret = data / "secrets" / "postgres"
@@ -23,4 +25,7 @@ def run(data: Path, words: list[str]) -> int:
         raise HouseError(f"{secret} cannot be read: be root, or the user that Diaphane runs as") from error
     settings = Settings(data=data, ports=datadir.read_record(data)["ports"], layout=of_checkout(), postgres_password=password)
     binary = paths.build_dir() / "bin" / "diaphane-api"
+    if not binary.exists():
+        raise HouseError(f"{binary} is not built")
+    words = [what] if email is None else [what, email]
     return subprocess.run([str(binary), "admin", *words], env={**os.environ, "DIAPHANE_POSTGRES": settings.dsn}).returncode

@@ -65,7 +65,10 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument("--only", metavar="NAME", action="append", help="only this check (repeatable)")
     with_data(command("sample", _sample, "load the sample scan once more; --write-dicom FOLDER: write it as a scanner would",
                       rest=True))
-    with_data(command("admin", _admin, "grant EMAIL | revoke EMAIL | list: who is an administrator", rest=True))
+    administrators = command("admin", _admin, "who is an administrator, of what runs on a data directory: grant EMAIL, revoke EMAIL, list")
+    with_data(administrators)
+    administrators.add_argument("what", choices=("grant", "revoke", "list"), help="give the role, take it away, show who has it")
+    administrators.add_argument("email", nargs="?", metavar="EMAIL", help="of an account whose address is confirmed (not with list)")
     command("scan", _tool("diaphane-scan"), "FOLDER [--json] [--build VOLUME]: the series in a folder, and which are suitable", rest=True)
     command("render", _tool("diaphane-render"), "INPUT ...: render a picture without a server (--help)", rest=True)
     command("replay", _replay, "FILE (--link LINK | --scan SCAN --out FOLDER): recorded interaction, played again", rest=True)
@@ -149,10 +152,10 @@ def _screenshots(options: argparse.Namespace, _: list[str]) -> int:
     return screenshots.run(options.folder.resolve(), options.only)
 
 
-def _admin(options: argparse.Namespace, rest: list[str]) -> int:
+def _admin(options: argparse.Namespace, _: list[str]) -> int:
     from . import admin
 
-    return admin.run(_data(options), rest)
+    return admin.run(_data(options), options.what, options.email)
 
 
 def _tool(name: str):
