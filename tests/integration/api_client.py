@@ -25,6 +25,18 @@ def api(stack_house: StackHouse) -> TestStack:
     return stack_house.api_stack
 
 
+@pytest.fixture(scope="module")
+def one(api: TestStack) -> "Person":
+    """Somebody, the same in all tests of a file."""
+    return person(api)
+
+
+@pytest.fixture(scope="module")
+def other(api: TestStack) -> "Person":
+    """Somebody else."""
+    return person(api)
+
+
 def client(stack: TestStack) -> httpx.Client:
     """A browser without a person, every answer checked against the contract."""
     return httpx.Client(base_url=stack.url, timeout=30, event_hooks={"response": [CONTRACT.check]})

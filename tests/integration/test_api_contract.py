@@ -9,7 +9,7 @@ import re
 import uuid
 
 import pytest
-from api_client import (CONTRACT, PASSWORD, add_worker, api, client, forget_attempts, link_token, make_ready, person,  # noqa: F401
+from api_client import (CONTRACT, PASSWORD, add_worker, api, client, forget_attempts, link_token, make_ready, one, person,  # noqa: F401
                         problem, remove_worker)
 from cut_help import KEEP, store
 
@@ -20,11 +20,6 @@ names = {"ids": lambda o: o[2]["operationId"]}
 
 def address(path: str, **ids: str) -> str:
     return re.sub(r"\{(\w+)\}", lambda m: ids.get(m[1], "bone" if m[1] == "preset" else str(uuid.uuid4())), path)
-
-
-@pytest.fixture(scope="module")
-def one(api):  # noqa: F811
-    return person(api)
 
 
 @pytest.mark.parametrize("operation", [o for o in OPERATIONS if o[2].get("security", [0]) and {} not in o[2].get("security", [0])], **names)

@@ -6,20 +6,10 @@ import copy
 import json
 
 import pytest
-from api_client import CONTRACT, api, client, make_ready, person, problem  # noqa: F401
+from api_client import CONTRACT, api, client, make_ready, one, other, person, problem  # noqa: F401
 
 SCENE = CONTRACT.spec["components"]["schemas"]["Scene"]["example"]
 XML = {"Content-Type": "application/xml"}
-
-
-@pytest.fixture(scope="module")
-def one(api):  # noqa: F811
-    return person(api)
-
-
-@pytest.fixture(scope="module")
-def other(api):  # noqa: F811
-    return person(api)
 
 
 @pytest.fixture(scope="module")

@@ -6,12 +6,7 @@ import re
 import uuid
 
 import pytest
-from api_client import add_worker, api, make_ready, person, problem, remove_worker  # noqa: F401
-
-
-@pytest.fixture(scope="module")
-def one(api):  # noqa: F811
-    return person(api)
+from api_client import add_worker, api, make_ready, one, person, problem, remove_worker  # noqa: F401
 
 
 @pytest.fixture(scope="module")

@@ -7,17 +7,7 @@ import uuid
 
 import httpx
 import pytest
-from api_client import add_worker, api, client, forget_attempts, make_ready, person, problem, remove_worker  # noqa: F401
-
-
-@pytest.fixture(scope="module")
-def one(api):  # noqa: F811
-    return person(api)
-
-
-@pytest.fixture(scope="module")
-def other(api):  # noqa: F811
-    return person(api)
+from api_client import add_worker, api, client, forget_attempts, make_ready, one, other, person, problem, remove_worker  # noqa: F401
 
 
 @pytest.fixture

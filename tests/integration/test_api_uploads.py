@@ -8,14 +8,9 @@ import subprocess
 
 import httpx
 import pytest
-from api_client import PART, add_worker, api, checksum, client, make_ready, person, problem, remove_worker  # noqa: F401
+from api_client import PART, add_worker, api, checksum, client, make_ready, one, person, problem, remove_worker  # noqa: F401
 
 TUS = {"Tus-Resumable": "1.0.0"}
-
-
-@pytest.fixture(scope="module")
-def one(api):  # noqa: F811
-    return person(api)
 
 
 def test_an_upload_in_parts_with_a_cut_is_resumed_and_queued(api, one):  # noqa: F811
