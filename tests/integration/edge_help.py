@@ -8,6 +8,8 @@ import re
 import socket
 import threading
 import time
+import urllib.request
+from collections import Counter
 from pathlib import Path
 
 #: Also right behind a body without a line's end.
@@ -53,10 +55,45 @@ def resident_mb(pid: int) -> float:
     return 0.0
 
 
+def requests_of(stack) -> Counter[str]:
+    """How many requests have reached the API, by operation ("none": those that are of no operation)."""
+    with urllib.request.urlopen(f"http://127.0.0.1:{stack.ports['api-admin']}/metrics") as answer:
+        text = answer.read().decode()
+    counted: Counter[str] = Counter()
+    for name, value in re.findall(r'requests_total\{operation="(\w+)"[^}]*\} (\S+)', text):
+        counted[name] += int(float(value))
+    return counted
+
+
 def family(pid: int) -> list[int]:
     """The process and its children."""
     children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
     return [pid, *map(int, children)]
+
+
+class Undisturbed:
+    """Somebody signed in goes on using the page while it is under attack; afterwards: what was wrong, and how large the programs are."""
+
+    def __init__(self, stack, somebody):
+        self.stack = stack
+        self.pids = dict(stack.pids)
+        self.before_mb = resident_mb(self.pids["api"])
+        self.ordinary = Ordinary(stack.ports["edge"], somebody.http.cookies["diaphane"], somebody.id)
+        self.ordinary.start()
+
+    def faults(self, api_grows_mb: float = 100, edge_mb: float = 250) -> list[str]:
+        """Ends it."""
+        self.ordinary.finish()
+        found = [f"{name} died" for name, pid in self.pids.items() if self.stack.pids.get(name) != pid]
+        found += self.ordinary.wrong
+        if len(self.ordinary.seconds) < 15:
+            found.append(f"the ordinary client came round {len(self.ordinary.seconds)} times only")
+        if not found:
+            self.grown_mb = resident_mb(self.pids["api"]) - self.before_mb
+            self.edge_mb = sum(resident_mb(pid) for pid in family(self.pids["edge"]))
+            found += [f"the API grew by {self.grown_mb:.0f} MB"] if self.grown_mb >= api_grows_mb else []
+            found += [f"the edge has {self.edge_mb:.0f} MB"] if self.edge_mb >= edge_mb else []
+        return found
 
 
 class Ordinary(threading.Thread):

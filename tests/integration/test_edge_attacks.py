@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import os
-import re
 import resource
 import select
 import socket
 import struct
 import time
-import urllib.request
 
 import pytest
 from api_client import person
 from edge_attacks import ATTACKS
-from edge_help import Ordinary, connect, family, resident_mb, statuses, talk
+from edge_help import Undisturbed, connect, family, requests_of, statuses, talk
 
 #: How slow an ordinary answer may be at worst while the machine is under attack (2 cores, shared with the attackers).
 P99_SECONDS = 0.5
@@ -35,23 +33,14 @@ def somebody(edge):
 @pytest.fixture
 def ordinary(edge, somebody, record_property):
     """Runs beside the test; afterwards the API is the same process, no larger, and every answer was right."""
-    api, nginx = edge.pids["api"], edge.pids["edge"]
-    before = resident_mb(api)
-    one = Ordinary(edge.ports["edge"], somebody.http.cookies["diaphane"], somebody.id)
-    one.start()
+    watched = Undisturbed(edge, somebody)
+    one = watched.ordinary
     yield one
-    one.finish()
-    grown = resident_mb(api) - before
-    edge_mb = sum(resident_mb(pid) for pid in family(nginx))
+    assert watched.faults() == []
     print(f"ordinary client: {3 * len(one.seconds)} answers, p99 {one.p99() * 1000:.1f} ms; "
-          f"api {grown:+.1f} MB, edge {edge_mb:.1f} MB")
+          f"api {watched.grown_mb:+.1f} MB, edge {watched.edge_mb:.1f} MB")
     record_property("ordinary_p99_ms", round(one.p99() * 1000, 1))
-    assert edge.pids["api"] == api and edge.pids["edge"] == nginx, "a program died"
-    assert one.wrong == []
-    assert len(one.seconds) >= 15
     assert one.p99() < P99_SECONDS
-    assert grown < 100, "the API's memory grew"
-    assert edge_mb < 250, "the edge's memory grew"
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -89,9 +78,7 @@ def test_every_malformed_request_is_refused_and_nothing_is_smuggled(edge, ordina
 
 def sessions_listed(stack) -> float:
     """How often the API was asked for a list of sessions, which no test of this file does but by smuggling."""
-    with urllib.request.urlopen(f"http://127.0.0.1:{stack.ports['api-admin']}/metrics") as answer:
-        text = answer.read().decode()
-    return sum(float(value) for value in re.findall(r'requests_total\{operation="listSessions"[^}]*\} (\S+)', text))
+    return requests_of(stack)["listSessions"]
 
 
 def cut_at(length: int, start: bytes, byte: bytes) -> bytes:
