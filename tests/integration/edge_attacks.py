@@ -95,6 +95,8 @@ def _headers() -> list[Attack]:
         Attack("method override", _get(b"/v1/me", b"X-HTTP-Method-Override: DELETE\r\n"), allowed=frozenset({401})),
         Attack("a forged address", _get(b"/v1/me", b"X-Forwarded-For: 10.0.0.1\r\nX-Real-IP: 10.0.0.1\r\n"),
                allowed=frozenset({401})),
+        Attack("from a page with a name of 260 characters", _post(b"Content-Length: 2\r\nOrigin: https://" + b"a." * 126 + b"test\r\n", b"{}"),
+               allowed=frozenset({403})),
         Attack("a forged X-Accel-Redirect", _get(b"/v1/me", b"X-Accel-Redirect: /_cache/\r\n"), allowed=frozenset({401})),
     ]
     return made

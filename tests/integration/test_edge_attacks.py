@@ -101,7 +101,7 @@ def test_headers_that_the_listener_cuts_smuggle_nothing_through_the_edge(edge, o
 
 
 def test_each_answer_of_the_edge_has_its_security_headers_and_says_what_is_wrong(edge):
-    for request, status in ((b"GET //x HTTP/1.1", 400), (b"PUT /v1/me HTTP/1.1", 405), (b"GET /none.js HTTP/1.1", 404)):
+    for request, status in ((b"GET //x HTTP/1.1", 400), (b"GET /v1/me?a[b]=1 HTTP/1.1", 400), (b"PUT /v1/me HTTP/1.1", 405), (b"GET /none.js HTTP/1.1", 404)):
         answer = talk(edge.ports["edge"], request + b"\r\nHost: localhost\r\nConnection: close\r\n\r\n")
         assert statuses(answer) == [status]
         head, _, body = answer.partition(b"\r\n\r\n")
