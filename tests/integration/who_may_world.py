@@ -27,8 +27,10 @@ class World:
         self.people: dict[str, Person] = {}
         self.data_set = ""
         self.saved = ""
+        self.stored_hash = ""
+        self.taken_down = False
 
-    # Persons: written to the database as signing up would, without its half second.
+    # Persons
 
     def someone(self, role: str) -> Person:
         if role not in self.people:
@@ -39,12 +41,7 @@ class World:
         one = Person(self.stack)
         if role == "nobody":
             return one
-        one_id, token, csrf = str(uuid.uuid4()), hashlib.sha256(uuid.uuid4().bytes).hexdigest(), "c" * 64
-        self.stack.psql("""INSERT INTO users (id, email, email_key, password_hash, verified_at, is_administrator, recording_consent_at)
-                           VALUES (%s, %s, %s, %s, CASE WHEN %s THEN now() END, %s, now())""",
-                        one_id, one.email, one.email, self.password_hash, role != "unverified", role == "administrator")
-        self.stack.psql("""INSERT INTO web_sessions (token_hash, user_id, csrf_token, expires_at)
-                           VALUES (%s, %s, %s, now() + interval '1 day')""", stored(token), one_id, csrf)
+        one_id, token, csrf = write_person(self.stack.psql, one.email, self.password_hash, role)
         one.http.cookies.set("diaphane", token)
         one.http.headers["X-CSRF-Token"] = csrf
         one.known_id = one_id
@@ -60,14 +57,18 @@ class World:
         if not self.data_set:
             self.data_set = self.owner.data_set(10)["data_set"]["id"]
             make_ready(self.stack, self.data_set)
-            self.share()
+            self.share(self.data_set)
         return self.data_set
 
-    def share(self) -> None:
+    def volume_hash(self) -> str:
+        self.stored_hash = self.stored_hash or store(self.stack, self.data_set_id())
+        return self.stored_hash
+
+    def share(self, data_set: str) -> None:
         """With `view` and `edit`."""
         for role in ("view", "edit"):
             given = {"email": self.someone(role).email, "may": "view" if role == "view" else "save"}
-            answer = self.owner.http.post(f"/v1/data-sets/{self.data_set}/people", json=given)
+            answer = self.owner.http.post(f"/v1/data-sets/{data_set}/people", json=given)
             assert answer.status_code == 204, answer.text
 
     def publish(self) -> None:
@@ -77,9 +78,16 @@ class World:
         assert answer.status_code == 200, answer.text
 
     def take_down(self) -> None:
+        if self.taken_down:
+            return
+        self.taken_down = True
         self.publish()
         answer = self.someone("administrator").http.post(f"/v1/data-sets/{self.data_set}/take-down", json={"reason": "A name."})
         assert answer.status_code == 204, answer.text
+
+    def make_sample(self) -> None:
+        """As one that the operator has uploaded: nobody's, seen by everybody."""
+        self.stack.psql("UPDATE data_sets SET owner_id = NULL, is_sample = true, visibility = 'public', published_at = now(), anonymised_at = now() WHERE id = %s", self.data_set_id())
 
     def person_id(self) -> str:
         return self.owner.http.get(f"/v1/data-sets/{self.data_set_id()}/people").json()["items"][0]["id"]
@@ -102,7 +110,10 @@ class World:
         return self.stack.psql("SELECT id::text FROM reports WHERE data_set_id = %s", self.data_set)[0][0]
 
     def upload_id(self) -> str:
-        return self.owner.data_set(10)["data_set"]["id"]
+        """Of a scan that is shared before it has arrived."""
+        made = self.owner.data_set(10)["data_set"]["id"]
+        self.share(made)
+        return made
 
     def session_id(self) -> str:
         add_worker(self.stack, "who-may", slots=1000)
@@ -123,7 +134,7 @@ class World:
 
     def preset(self) -> str:
         folder = self.stack.data_dir / "cache" / "thumbnails" / self.data_set_id()
-        folder.mkdir(parents=True)
+        folder.mkdir(parents=True, exist_ok=True)
         (folder / "bone.jpg").write_bytes(b"\xff\xd8\xff")
         for path in (folder / "bone.jpg", folder, folder.parent):
             self.stack.stack.run_as.own(path)
@@ -146,12 +157,25 @@ class World:
             return
         export = str(uuid.uuid4())
         self.stack.psql("""INSERT INTO exports (id, user_id, state, bytes, created_at, expires_at)
-                           VALUES (%s, %s, %s, 3, now(), now() + interval '1 day')""", export, one.known_id, state)
+                           VALUES (%s, %s, %s, 3, now(), now() + interval '1 day')
+                           ON CONFLICT (user_id) DO UPDATE SET id = EXCLUDED.id, state = EXCLUDED.state""", export, one.known_id, state)
         folder = self.stack.data_dir / "cache" / "exports"
         folder.mkdir(exist_ok=True)
         (folder / f"{export}.zip").write_bytes(b"zip")
         for path in (folder / f"{export}.zip", folder):
             self.stack.stack.run_as.own(path)
+
+
+def write_person(psql: Callable[..., Any], email: str, password_hash: str, role: str) -> tuple[str, str, str]:
+    """Somebody signed in, written to the database as signing up would, without its half second: id, cookie, token against other pages."""
+    made, token, csrf = str(uuid.uuid4()), hashlib.sha256(uuid.uuid4().bytes).hexdigest(), "c" * 64
+    psql("""WITH made AS (
+              INSERT INTO users (id, email, email_key, password_hash, verified_at, is_administrator, recording_consent_at)
+              VALUES (%s, %s, %s, %s, CASE WHEN %s THEN now() END, %s, now()) RETURNING id)
+            INSERT INTO web_sessions (token_hash, user_id, csrf_token, expires_at)
+            SELECT %s, id, %s, now() + interval '1 day' FROM made""",
+         made, email, email, password_hash, role != "unverified", role == "administrator", stored(token), csrf)
+    return made, token, csrf
 
 
 def stored(token: str) -> str:
@@ -178,8 +202,7 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "changeUser": lambda world, who: {"quota_bytes": 1000},
     "createSession": lambda world, who: {"data_set_id": ready_to_render(world)},
     "createRecording": lambda world, who: RECORDING,
-    "anonymise": lambda world, who: {"keep": KEEP, "volume_hash": store(world.stack, world.data_set_id()),
-                                     "confirm": "this cannot be undone"},
+    "anonymise": lambda world, who: {"keep": KEEP, "volume_hash": world.volume_hash(), "confirm": "this cannot be undone"},
     "describeDataSet": lambda world, who: {"title": "Another"},
     "setVisibility": lambda world, who: {"visibility": "private"},
     "shareWithPerson": lambda world, who: {"email": f"friend-{uuid.uuid4().hex}@example.org", "may": "view"},
@@ -210,39 +233,58 @@ before: dict[str, Callable[[World, Person], None]] = {
 }
 
 
+#: Without another word these are about a public scan, or one that was.
+ABOUT_PUBLIC = ("voteForPreset", "reportDataSet", "takeDownDataSet", "restoreDataSet")
+#: What may be true of the scan in a row of the table, when all else is made.
+EXPOSURES: dict[str, Callable[[World], None]] = {
+    "private": lambda world: None,
+    "public": lambda world: world.publish(),
+    "taken-down": lambda world: world.take_down(),
+    "sample": lambda world: world.make_sample(),
+}
+
+
 def ready_to_render(world: World) -> str:
     add_worker(world.stack, "who-may", slots=1000)
     return world.data_set_id()
 
 
-def ask(world: World, role: str, path: str, method: str, operation: dict[str, Any]) -> httpx.Response:
+def ask(world: World, role: str, path: str, method: str, operation: dict[str, Any], exposure: str = "") -> httpx.Response:
     """One operation about the owner's things, as somebody of that role."""
+    request = question(world, role, path, method, operation, exposure)
+    return world.someone(role).http.send(request)
+
+
+def question(world: World, role: str, path: str, method: str, operation: dict[str, Any], exposure: str = "") -> httpx.Request:
+    """What ask() sends; all that has to be there before is there. `exposure`: one of EXPOSURES, or what the operation is about."""
     name = operation["operationId"]
     who = world.someone(role)
-    before.get(name, lambda *_: None)(world, who)
+    if not (exposure and name in ABOUT_PUBLIC):
+        before.get(name, lambda *_: None)(world, who)
     for parameter in operation["parameters"]:
         if parameter["in"] == "path":
             make = getattr(world, parameter["name"], None)
             assert make, f"{name}: World has no {parameter['name']}() yet (who_may_world.py)"
             path = path.replace("{" + parameter["name"] + "}", make())
+    body: Any = bodies[name](world, who) if name in bodies else None
+    if exposure:
+        EXPOSURES[exposure](world)
     headers = {"Tus-Resumable": "1.0.0"} if path.startswith("/v1/uploads") else {}
     if name == "createUpload":
         headers["Upload-Length"] = "10"
     if name == "appendToUpload":
-        return who.patch(path, 0, b"0123456789")
+        part = {"Upload-Offset": "0", "Content-Type": "application/offset+octet-stream"}
+        return who.http.build_request(method, path, content=b"0123456789", headers={**headers, **part})
     if name in ("changePreset", "deletePreset"):
         headers["If-Match"] = '"1"'
     if name == "importPreset":
         xml = CONTRACT.resolve(operation["requestBody"])["content"]["application/xml"]["example"]
-        return who.http.request(method, path, content=xml, headers={"Content-Type": "application/xml"})
-    body: Any = None
-    if name in bodies:
-        body = bodies[name](world, who)
-    elif "requestBody" in operation:
+        return who.http.build_request(method, path, content=xml, headers={"Content-Type": "application/xml"})
+    if body is None and "requestBody" in operation:
         schema = CONTRACT.resolve(CONTRACT.resolve(operation["requestBody"])["content"]["application/json"]["schema"])
         assert not schema.get("required"), f"{name} needs a body (who_may_world.py)"
         body = {}
-    return who.http.request(method, path, headers=headers, **({} if body is None else {"json": body}))
+    return who.http.build_request(method, path, headers=headers, **({} if body is None else {"json": body}))
 
 
 def known_hash(stack: TestStack) -> str:
@@ -251,4 +293,4 @@ def known_hash(stack: TestStack) -> str:
     return stack.psql("SELECT password_hash FROM users WHERE id = %s", one.id)[0][0]
 
 
-__all__ = ["ROLES", "World", "ask", "client", "known_hash"]
+__all__ = ["ROLES", "World", "ask", "client", "known_hash", "question"]
