@@ -8,7 +8,7 @@ import { runnerImport } from "vite";
 
 const load = async (name) => (await runnerImport(join(import.meta.dirname, "../src", name), { logLevel: "error" })).module;
 const [{ scan_files }, { part_blobs }, { make_bundle }, { reasons }] = await Promise.all(
-  ["scan/scan.ts", "scan/clean_file.ts", "scan/bundle.ts", "texts/en/reasons.ts"].map(load),
+  ["scan/scan.ts", "scan/upload_plan.ts", "scan/bundle.ts", "texts/en/reasons.ts"].map(load),
 );
 
 async function files_below(folder) {
@@ -35,7 +35,7 @@ for (const [number, folder] of folders.entries()) {
   judged.push(words_of(result));
   const chosen = result.series.find(({ verdict }) => verdict.suitable);
   if (!chosen) continue;
-  const bundle = make_bundle(part_blobs(chosen.upload, files));
+  const bundle = make_bundle(await part_blobs(chosen.upload, files));
   await writeFile(join(out, `${number}.tar`), Buffer.from(await bundle.arrayBuffer()));
 }
 process.stdout.write(JSON.stringify(judged));

@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
-import { part_blobs } from "./clean_file";
-import { read_file_header } from "./read_file";
+import { HeaderReader } from "./read_file";
 import { scan_files } from "./scan";
 import { concat, make_series, make_slice, type MadeSlice } from "./testing";
+import { part_blobs } from "./upload_plan";
 
 const pixels = Uint8Array.from({ length: 128 }, (_, i) => 255 - i);
 
@@ -29,7 +29,7 @@ describe("what is sent of a slice", () => {
     for (const [i, blob] of blobs.entries()) {
       const text = await blob.text();
       for (const word of ["Secret", "Head 1.5", "1.2.5", "1.2.3.", "HEAD", "PAD"]) expect(text).not.toContain(word);
-      const read = await read_file_header(blob, i);
+      const read = await new HeaderReader().read(blob, i);
       const found = read.kind === "headers" ? read.headers[0] : undefined;
       if (!found) throw new Error(read.kind);
       expect(found).toMatchObject({
@@ -60,13 +60,13 @@ describe("what is sent of a slice", () => {
     const plain = make_slice({ syntax: "1.2.840.10008.1.2.4.70", pixels: fragments, patient_name: "Secret^Name" });
     plain.set([255, 255, 255, 255], plain.length - fragments.length - 4); // of undefined length
     const files = [new Blob([concat([plain, new TextEncoder().encode("Secret tail")])])];
-    const read = await read_file_header(files[0] ?? new Blob(), 0);
+    const read = await new HeaderReader().read(files[0] ?? new Blob(), 0);
     const found = read.kind === "headers" ? read.headers[0] : undefined;
     if (!found) throw new Error(read.kind);
     const { from, to } = found.voxels ?? { from: 0, to: 0 };
     expect(new Uint8Array(await (files[0] ?? new Blob()).slice(from, to).arrayBuffer())).toEqual(fragments);
     expect(found.truncated).toBe(false);
     const cut = new Blob([plain.slice(0, plain.length - 10)]);
-    expect(await read_file_header(cut, 0)).toMatchObject({ headers: [{ truncated: true, voxels: null }] });
+    expect(await new HeaderReader().read(cut, 0)).toMatchObject({ headers: [{ truncated: true, voxels: null }] });
   });
 });

@@ -6,7 +6,7 @@ import type { GroupedElement, KeptElement, SliceHeader, UploadPart } from "./typ
  */
 
 /** Numbers and coded words, by their kind. Texts that a person may have typed are not among them. */
-const wanted: Readonly<Record<string, "number" | "us" | "image_type" | "modality" | "class" | "photometric" | "rescale_type" | "lossy">> = {
+const wanted: Readonly<Record<string, "number" | "us" | "image_type" | "modality" | "class" | "photometric" | "rescale_type" | "lossy" | "offsets">> = {
   x00080008: "image_type", x00080016: "class", x00080060: "modality",
   x00180050: "number", x00180081: "number", x00180086: "number", x00181060: "number", x00189087: "number",
   x00200012: "number", x00200013: "number", x00200032: "number", x00200037: "number", x00200100: "number",
@@ -15,6 +15,7 @@ const wanted: Readonly<Record<string, "number" | "us" | "image_type" | "modality
   x00280106: "us", x00280107: "us", x00280120: "us", x00280121: "us",
   x00282110: "lossy",
   x00281050: "number", x00281051: "number", x00281052: "number", x00281053: "number", x00281054: "rescale_type",
+  x7fe00001: "offsets",
 };
 
 export const wanted_tags: readonly string[] = Object.keys(wanted);
@@ -45,6 +46,8 @@ export function kept_element(tag: string, vr: string, bytes: Uint8Array): KeptEl
       return /^MONOCHROME[12]$/.test(text) ? coded(tag, "CS", text) : null;
     case "rescale_type":
       return /^(HU|US|BQML|SUV)$/.test(text) ? coded(tag, "LO", text) : null;
+    case "offsets":
+      return bytes.length % 8 === 0 ? { tag, vr: "OV", bytes: plain() } : null;
     case "lossy":
       return /^0[01]$/.test(text) ? coded(tag, "CS", text) : null;
     case "class":
@@ -127,12 +130,15 @@ function upload_part(slices: readonly SliceHeader[], number: number): UploadPart
     preamble,
     element({ tag: "x00020000", vr: "UL", bytes: meta_length }),
     ...meta,
-    ...body.map((one) => element(one, implicit, little)),
+    ...body.filter(({ tag }) => tag < frame_groups_tag).map((one) => element(one, implicit, little)),
     ...(slice.stack === "" ? [] : [frame_groups(slices, implicit, little)]),
+    ...body.filter(({ tag }) => tag > frame_groups_tag).map((one) => element(one, implicit, little)),
     element({ tag: "x7fe00010", vr: voxels.vr, bytes: new Uint8Array() }, implicit, little, length),
   ]);
   return { file: slice.file, head, from: voxels.from, to: voxels.to, inflated: slice.inflated };
 }
+
+const frame_groups_tag = "x52009230";
 
 /** PerFrameFunctionalGroupsSequence: nothing is said of a frame that was not chosen, and the server passes over it. */
 function frame_groups(slices: readonly SliceHeader[], implicit: boolean, little: boolean): Uint8Array {
@@ -141,7 +147,7 @@ function frame_groups(slices: readonly SliceHeader[], implicit: boolean, little:
   const sequence = (tag: string, items: readonly Uint8Array[]) =>
     element({ tag, vr: "SQ", bytes: joined(items.map((item) => element({ tag: "xfffee000", vr: "", bytes: item }, true, little))) }, implicit, little);
   return sequence(
-    "x52009230",
+    frame_groups_tag,
     Array.from({ length: frames }, (_, frame) => {
       const said = chosen.get(frame)?.grouped ?? [];
       const groups = [...new Set(said.map(({ group }) => group))].sort();
@@ -158,7 +164,7 @@ function frame_groups(slices: readonly SliceHeader[], implicit: boolean, little:
 
 const text_of = (kept: KeptElement | undefined): string => (kept ? String.fromCharCode(...kept.bytes).trim() : "");
 
-const long_form = new Set(["OB", "OW", "UN", "SQ"]);
+const long_form = new Set(["OB", "OV", "OW", "UN", "SQ"]);
 
 function element({ tag, vr, bytes }: KeptElement, implicit = false, little = true, length = bytes.length): Uint8Array {
   const long = implicit || long_form.has(vr);
@@ -186,12 +192,4 @@ function joined(parts: readonly Uint8Array[]): Uint8Array<ArrayBuffer> {
     at += part.length;
   }
   return all;
-}
-
-/** The bytes to send of each part, read only when they are sent. */
-export function part_blobs(parts: readonly UploadPart[], files: readonly Blob[]): Blob[] {
-  return parts.flatMap(({ file, head, from, to, inflated }) => {
-    const source = inflated ?? files[file];
-    return source ? [new Blob([head, source.slice(from, to)])] : [];
-  });
 }

@@ -23,6 +23,7 @@ export function read_header(bytes: Uint8Array, file: number, file_bytes: number)
   const form = guess_form(bytes);
   if (!form) return { kind: "not_dicom" };
   const complete = bytes.length >= file_bytes;
+  rename_long_offsets(form.bytes);
   let data: DataSet;
   let cut_off = false;
   try {
@@ -78,6 +79,14 @@ function guess_form(bytes: Uint8Array): Form | null {
   if (group === 0x0800 && explicit) return { bytes, syntax: big_endian, shift: 0, sure: false };
   if (group !== 0x0008) return null;
   return { bytes, syntax: explicit ? explicit_little : implicit_little, shift: 0, sure: false };
+}
+
+/** The parser does not know the representation OV of the Extended Offset Table and its lengths, and would lose its place: OB is laid out alike. */
+function rename_long_offsets(bytes: Uint8Array): void {
+  for (let at = bytes.indexOf(0xe0); at >= 0; at = bytes.indexOf(0xe0, at + 1)) {
+    const [, high, low, zero, o, v] = bytes.subarray(at, at + 6);
+    if (high === 0x7f && (low === 1 || low === 2) && zero === 0 && o === 0x4f && v === 0x56) bytes[at + 5] = 0x42;
+  }
 }
 
 function header_of(data: DataSet, form: Form, file: number, file_bytes: number, cut_off: boolean): SliceHeader | null {
@@ -168,10 +177,13 @@ const character_sets: Readonly<Record<string, string>> = {
   "ISO_IR 192": "utf-8", GB18030: "gb18030", GBK: "gbk",
 };
 
+const decoders = new Map<string, TextDecoder>();
+
 function text_reader(data: DataSet): (tag: string) => string {
   const names = (data.string("x00080005") ?? "").split("\\").map((name) => name.trim());
   const label = names.map((name) => character_sets[name]).findLast((found) => found !== undefined) ?? "windows-1252";
-  const decoder = new TextDecoder(label);
+  const decoder = decoders.get(label) ?? new TextDecoder(label);
+  decoders.set(label, decoder);
   return (tag) => {
     const element = data.elements[tag];
     if (!element) return "";

@@ -1,11 +1,11 @@
 import { describe, expect, it } from "vitest";
 import { judge } from "./judge";
-import { read_file_header } from "./read_file";
+import { HeaderReader } from "./read_file";
 import { make_series, make_slice, type MadeSlice } from "./testing";
 import type { SliceHeader } from "./types";
 
 async function headers(blobs: readonly Blob[]): Promise<SliceHeader[]> {
-  const reads = await Promise.all(blobs.map((blob, i) => read_file_header(blob, i)));
+  const reads = await Promise.all(blobs.map((blob, i) => new HeaderReader().read(blob, i)));
   return reads.flatMap((read) => (read.kind === "headers" ? read.headers : []));
 }
 

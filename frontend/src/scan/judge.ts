@@ -1,5 +1,5 @@
 import { arrange, cross, type Axes, type Vector } from "./stack";
-import type { LeftOut, Reason, SliceHeader, Suitable, Unsuitable } from "./types";
+import type { Chosen, LeftOut, Reason, SliceHeader, Unsuitable } from "./types";
 
 /**
  * Whether the files of one series can become a volume, by the cases of ingest (ingest/dicom/classify.cpp). Never trusts
@@ -24,7 +24,7 @@ const transfer_syntaxes = new Set([
 
 const refuse = (reason: Reason, count = 0): Unsuitable => ({ suitable: false, reason, count });
 
-export function judge(all: readonly SliceHeader[]): Suitable | Unsuitable {
+export function judge(all: readonly SliceHeader[]): Chosen | Unsuitable {
   const of_class = all.filter(is_slice);
   if (of_class.length === 0) return refuse("no_slices", all.length);
   const whole = of_class.filter((slice) => !slice.truncated);
@@ -73,7 +73,7 @@ function without_doubles(slices: readonly SliceHeader[]): SliceHeader[] | null {
   return kept;
 }
 
-function judge_geometry(slices: readonly SliceHeader[], left_out: LeftOut): Suitable | Unsuitable {
+function judge_geometry(slices: readonly SliceHeader[], left_out: LeftOut): Chosen | Unsuitable {
   if (slices.some((s) => !s.position || !s.orientation)) return refuse("no_position", slices.length);
   if (slices.some((s) => !s.pixel_spacing || !(Math.min(...s.pixel_spacing) > 0) || s.rows === 0 || s.columns === 0))
     return refuse("no_spacing", slices.length);
@@ -105,7 +105,7 @@ function judge_scale(slices: readonly SliceHeader[]): Unsuitable | null {
   return null;
 }
 
-function judge_stack(slices: readonly SliceHeader[], left_out: LeftOut): Suitable | Unsuitable {
+function judge_stack(slices: readonly SliceHeader[], left_out: LeftOut): Chosen | Unsuitable {
   const first = slices[0];
   const axes = axes_of(first?.orientation ?? null);
   const positions = slices.flatMap(({ position }) => (position ? [position] : []));

@@ -1,27 +1,40 @@
 import { deflated_from, read_header, type HeaderRead } from "./dicom";
 import type { SliceHeader } from "./types";
 
-/** 64 KB hold nearly every header; then 256 KB; then the whole file, up to a bound that no header reaches. */
-const steps = [64 * 1024, 256 * 1024, 64 * 1024 * 1024];
+/** 8 KB hold most headers of CT, 64 KB nearly every one; the last is a bound that no header reaches. */
+const steps = [8 * 1024, 64 * 1024, 256 * 1024, 64 * 1024 * 1024];
+/** The step that is taken without knowing that it is needed. */
+const most_at_once = 2;
 const inflated_limit = 16 * 1024 * 1024;
 
-/** Never throws: a bad file must not stop the scan. */
-export async function read_file_header(file: Blob, index: number): Promise<HeaderRead> {
-  try {
-    for (const step of steps) {
-      const size = Math.min(step, file.size);
-      const bytes = new Uint8Array(await file.slice(0, size).arrayBuffer());
-      const deflated = deflated_from(bytes);
-      if (deflated !== null) return await read_deflated(file.slice(deflated), index, file.size);
-      const read = read_header(bytes, index, file.size);
-      if (read.kind === "headers") return { kind: "headers", headers: await with_end_of_fragments(file, read.headers) };
-      if (read.kind !== "more") return read;
-      if (size === file.size) break;
+/** Of the files of a disc, one after the other: those of a series have headers of one length. */
+export class HeaderReader {
+  /** The step that was enough for the file before. */
+  private usual_ = 0;
+
+  /** Never throws: a bad file must not stop the scan. */
+  async read(file: Blob, index: number): Promise<HeaderRead> {
+    try {
+      for (let step = this.usual_; step < steps.length; step++) {
+        const size = Math.min(steps[step] ?? 0, file.size);
+        const bytes = new Uint8Array(await file.slice(0, size).arrayBuffer());
+        const deflated = deflated_from(bytes);
+        if (deflated !== null) return await read_deflated(file.slice(deflated), index, file.size);
+        const read = read_header(bytes, index, file.size);
+        if (read.kind === "headers") {
+          const [{ voxels } = { voxels: null }] = read.headers;
+          const used = voxels?.from ?? 0;
+          this.usual_ = Math.min(most_at_once, steps.findIndex((enough) => used < enough));
+          return { kind: "headers", headers: await with_end_of_fragments(file, bytes, read.headers) };
+        }
+        if (read.kind !== "more") return read;
+        if (size === file.size) break;
+      }
+    } catch {
+      // Not readable on disk, or nested without end.
     }
-  } catch {
-    // Not readable on disk, or nested without end.
+    return { kind: "unreadable" };
   }
-  return { kind: "unreadable" };
 }
 
 /** What it unpacks to is a file of its own, without a header, and is what is sent. */
@@ -36,12 +49,14 @@ async function read_deflated(packed: Blob, index: number, file_bytes: number): P
 const most_fragments = 100_000;
 
 /** Compressed voxels end where their last fragment does; what comes behind it is not sent. */
-async function with_end_of_fragments(file: Blob, headers: readonly SliceHeader[]): Promise<readonly SliceHeader[]> {
+async function with_end_of_fragments(file: Blob, begin: Uint8Array<ArrayBuffer>, headers: readonly SliceHeader[]): Promise<readonly SliceHeader[]> {
   const voxels = headers[0]?.voxels;
   if (!voxels?.encapsulated) return headers;
   let at = voxels.from;
   for (let i = 0; i < most_fragments && at + 8 <= file.size; i++) {
-    const item = new DataView(await file.slice(at, at + 8).arrayBuffer());
+    // A read of the file costs about a millisecond: the first items are there already.
+    const there = at + 8 <= begin.length;
+    const item = there ? new DataView(begin.buffer, at, 8) : new DataView(await file.slice(at, at + 8).arrayBuffer());
     const length = item.getUint32(4, true);
     if (item.getUint16(0, true) !== 0xfffe) break;
     if (item.getUint16(2, true) === 0xe0dd) {

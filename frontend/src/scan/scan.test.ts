@@ -1,12 +1,12 @@
 import { deflateRawSync } from "node:zlib";
 import { describe, expect, it } from "vitest";
-import { read_file_header } from "./read_file";
+import { HeaderReader } from "./read_file";
 import { scan_files } from "./scan";
 import { concat, make_series, make_slice } from "./testing";
 
 const scan = (files: readonly Blob[]) => scan_files(files, () => undefined, () => false);
 const header = async (blob: Blob) => {
-  const read = await read_file_header(blob, 0);
+  const read = await new HeaderReader().read(blob, 0);
   return read.kind === "headers" ? (read.headers[0] ?? "nothing") : read.kind;
 };
 
@@ -34,18 +34,26 @@ describe("reading a header", () => {
     }
   });
 
-  it("goes on to 256 KB and to the whole file only where the header is that long", async () => {
-    for (const padding_bytes of [10, 100_000, 400_000]) {
+  it("reads more than 8 KB only where the header is that long, and the next file at once as far as that", async () => {
+    const reader = new HeaderReader();
+    const reads = async (padding_bytes: number) => {
       const sizes: number[] = [];
       const blob = new Blob([make_slice({ padding_bytes }), new Uint8Array(1_000_000)]);
       const slice = blob.slice.bind(blob);
       blob.slice = (from?: number, to?: number) => {
-        sizes.push((to ?? 0) - (from ?? 0));
+        sizes.push(((to ?? 0) - (from ?? 0)) / 1024);
         return slice(from, to);
       };
-      expect(await header(blob)).toMatchObject({ rows: 8 });
-      expect(sizes.length).toBe(padding_bytes < 60_000 ? 1 : padding_bytes < 250_000 ? 2 : 3);
-    }
+      expect(await reader.read(blob, 0)).toMatchObject({ headers: [{ rows: 8 }] });
+      return sizes.map(Math.floor);
+    };
+    expect(await reads(10)).toEqual([8]);
+    expect(await reads(30_000)).toEqual([8, 64]);
+    expect(await reads(30_000)).toEqual([64]);
+    expect(await reads(100_000)).toEqual([64, 256]);
+    expect(await reads(400_000)).toEqual([256, 1367]);
+    expect(await reads(10)).toEqual([256]);
+    expect(await reads(10)).toEqual([8]);
   });
 
   it("inflates a deflated header, within bounds", async () => {

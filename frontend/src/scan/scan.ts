@@ -2,9 +2,10 @@ import { all_there, Arriving } from "./arriving";
 import { upload_parts } from "./clean_file";
 import { fingerprint } from "./fingerprint";
 import { is_slice, judge } from "./judge";
-import { read_file_header } from "./read_file";
+import { HeaderReader } from "./read_file";
 import { draw_thumbnail } from "./thumbnail";
-import type { ScanResult, Series, SliceHeader, Thumbnail } from "./types";
+import type { Chosen, ScanResult, Series, SliceHeader, Suitable, Thumbnail } from "./types";
+import { plan_of } from "./upload_plan";
 
 /** So many files at once: enough to keep a disk busy, few enough for a phone. */
 const at_once = 12;
@@ -20,12 +21,13 @@ export async function scan_files(given: readonly Blob[] | Arriving, progress: Pr
   let unreadable = 0;
   let next = 0;
   let done = 0;
+  const reader = new HeaderReader();
   const worker = async () => {
     while (next < total && !stopped()) {
       const index = next++;
       const file = await arriving.file(index);
       if (!file) continue;
-      const read = await read_file_header(file, index);
+      const read = await reader.read(file, index);
       if (read.kind === "headers") headers.push(...read.headers);
       else if (read.kind === "not_dicom") not_dicom += 1;
       else unreadable += 1;
@@ -56,8 +58,8 @@ function by_series(headers: readonly SliceHeader[]): Map<string, SliceHeader[]> 
 
 async function series_of(key: string, slices: readonly SliceHeader[], files: readonly Blob[]): Promise<Series> {
   const first = slices[0];
-  const verdict = judge(slices);
-  const ordered = verdict.suitable ? verdict.slices : slices;
+  const judged = judge(slices);
+  const ordered = judged.suitable ? judged.slices : slices;
   return {
     key,
     description: first?.description ?? "",
@@ -66,12 +68,15 @@ async function series_of(key: string, slices: readonly SliceHeader[], files: rea
     series_number: first?.series_number ?? null,
     patient: first?.patient ?? { name: "", id: "", birth_date: "" },
     slices: ordered.length,
-    verdict,
-    thumbnail: verdict.suitable ? await middle_slice(ordered, files) : null,
-    upload: verdict.suitable ? upload_parts(ordered) : [],
+    verdict: judged.suitable ? without_slices(judged) : judged,
+    thumbnail: judged.suitable ? await middle_slice(ordered, files) : null,
+    upload: plan_of(judged.suitable ? upload_parts(ordered) : []),
     fingerprint: fingerprint(ordered),
   };
 }
+
+/** The headers stay with the scan: the page needs none of them, and thousands are long on their way to it. */
+const without_slices = ({ size, size_mm, left_out, repairs }: Chosen): Suitable => ({ suitable: true, size, size_mm, left_out, repairs });
 
 async function middle_slice(ordered: readonly SliceHeader[], files: readonly Blob[]): Promise<Thumbnail | null> {
   const slice = ordered[Math.floor(ordered.length / 2)];

@@ -1,3 +1,4 @@
+import { pauses } from "./pause";
 import type { Progress } from "./scan";
 import type { FromWorker, ToWorker } from "./scan_worker";
 import type { ScanResult } from "./types";
@@ -24,18 +25,26 @@ export function scan_in_worker(files: readonly File[], progress: Progress, signa
   });
 }
 
-const handed_at_once = 8;
-const longest_ms = 12;
-
-/** Bit by bit: the browser needs about a millisecond for each file, and 3,000 at once would hold the page up for seconds. */
+/**
+ * Bit by bit: the browser asks the disk for the size of each file when it is first wanted, and the page stands still for
+ * that millisecond; for all 3,000 of a disc, for seconds.
+ */
 async function hand_over(worker: Worker, files: readonly File[], signal: AbortSignal): Promise<void> {
   const say = (message: ToWorker) => worker.postMessage(message);
   say({ kind: "begin", total: files.length });
-  let began = performance.now();
-  for (let at = 0; at < files.length && !signal.aborted; at += handed_at_once) {
-    say({ kind: "files", files: files.slice(at, at + handed_at_once) });
-    if (performance.now() - began < longest_ms) continue;
-    await new Promise((go_on) => setTimeout(go_on));
-    began = performance.now();
+  // The browser still takes in what was chosen, and the first question would wait for all of it.
+  await new Promise((go_on) => setTimeout(go_on, settling_ms));
+  const pause = pauses();
+  let handed = 0;
+  for (let at = 0; at < files.length && !signal.aborted; at++) {
+    ask_size(files[at]);
+    const waited = pause();
+    if (!waited && at + 1 < files.length) continue;
+    say({ kind: "files", files: files.slice(handed, at + 1) });
+    handed = at + 1;
+    await waited;
   }
 }
+
+const settling_ms = 50;
+const ask_size = (file: File | undefined): number => file?.size ?? 0;

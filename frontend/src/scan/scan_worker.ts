@@ -1,6 +1,7 @@
 import { Arriving } from "./arriving";
 import { scan_files } from "./scan";
-import type { ScanResult } from "./types";
+import type { ScanResult, Series } from "./types";
+import { buffers_of } from "./upload_plan";
 
 export type ToWorker = { readonly kind: "begin"; readonly total: number } | { readonly kind: "files"; readonly files: readonly File[] };
 
@@ -8,7 +9,8 @@ export type FromWorker =
   | { readonly kind: "progress"; readonly done: number; readonly total: number }
   | { readonly kind: "result"; readonly result: ScanResult };
 
-const shown_every_ms = 60;
+const shown_every_ms = 100;
+const buffers_of_series = ({ upload, thumbnail }: Series) => [...buffers_of(upload), ...(thumbnail ? [thumbnail.gray.buffer] : [])];
 let arriving: Arriving | null = null;
 
 self.onmessage = (event: MessageEvent<ToWorker>) => {
@@ -17,7 +19,7 @@ self.onmessage = (event: MessageEvent<ToWorker>) => {
     return;
   }
   let last = 0;
-  const say = (message: FromWorker) => self.postMessage(message);
+  const say = (message: FromWorker, given: ArrayBuffer[] = []) => self.postMessage(message, { transfer: given });
   const progress = (done: number, total: number) => {
     const now = performance.now();
     if (done < total && now - last < shown_every_ms) return;
@@ -25,5 +27,5 @@ self.onmessage = (event: MessageEvent<ToWorker>) => {
     say({ kind: "progress", done, total });
   };
   arriving = new Arriving(event.data.total);
-  void scan_files(arriving, progress, () => false).then((result) => say({ kind: "result", result }));
+  void scan_files(arriving, progress, () => false).then((result) => say({ kind: "result", result }, result.series.flatMap(buffers_of_series)));
 };

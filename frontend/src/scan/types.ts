@@ -77,6 +77,17 @@ export interface UploadPart {
   readonly inflated: Blob | null;
 }
 
+/** What is sent of a series: its parts in order, part i with a head that ends at `head_ends[i]`. */
+export interface UploadPlan {
+  readonly heads: Uint8Array<ArrayBuffer>;
+  readonly head_ends: Uint32Array<ArrayBuffer>;
+  readonly files: Uint32Array<ArrayBuffer>;
+  readonly froms: Float64Array<ArrayBuffer>;
+  readonly tos: Float64Array<ArrayBuffer>;
+  /** By file, of those that were deflated. */
+  readonly inflated: ReadonlyMap<number, Blob>;
+}
+
 export interface Patient {
   readonly name: string;
   readonly id: string;
@@ -120,13 +131,16 @@ export type Repair =
 
 export interface Suitable {
   readonly suitable: true;
-  /** The slices that are sent, from the first position to the last. */
-  readonly slices: readonly SliceHeader[];
   /** Voxels along a row, along a column, across slices. */
   readonly size: readonly [number, number, number];
   readonly size_mm: readonly [number, number, number];
   readonly left_out: LeftOut;
   readonly repairs: readonly Repair[];
+}
+
+export interface Chosen extends Suitable {
+  /** The slices that are sent, from the first position to the last. */
+  readonly slices: readonly SliceHeader[];
 }
 
 /** Files of a good series that do not go into the volume. */
@@ -162,8 +176,8 @@ export interface Series {
   readonly slices: number;
   readonly verdict: Suitable | Unsuitable;
   readonly thumbnail: Thumbnail | null;
-  /** Of a suitable series, in order: what is sent. */
-  readonly upload: readonly UploadPart[];
+  /** Nothing of an unsuitable series. */
+  readonly upload: UploadPlan;
   /** The same for the same files, and tells nothing about them. */
   readonly fingerprint: string;
 }

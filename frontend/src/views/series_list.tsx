@@ -2,8 +2,8 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { ApiProblem } from "../api/client";
 import { SentElsewhere } from "../api/uploads";
 import { bundle_size } from "../scan/bundle";
-import { part_blobs } from "../scan/clean_file";
 import type { ScanResult, Series, Suitable, Thumbnail } from "../scan/types";
+import { part_blobs, sizes_of } from "../scan/upload_plan";
 import { t } from "../texts/en";
 import { Field } from "./field";
 import { bytes_text, dicom_date_text } from "./format";
@@ -89,7 +89,7 @@ function SeriesCard({ series, verdict, files }: SeriesCardProps) {
   const [fault, set_fault] = useState("");
   const [interrupted_at, set_interrupted_at] = useState<number | null>(null);
   // Without making the pieces: a disc has thousands, and they are needed only when it is sent.
-  const bytes = useMemo(() => bundle_size(series.upload.map((part) => part.head.length + part.to - part.from)), [series]);
+  const bytes = useMemo(() => bundle_size(sizes_of(series.upload)), [series]);
 
   useEffect(() => {
     void app.uploads
@@ -105,7 +105,7 @@ function SeriesCard({ series, verdict, files }: SeriesCardProps) {
     set_busy(true);
     set_fault("");
     try {
-      await app.uploads.start(part_blobs(series.upload, files), title.trim(), series.fingerprint);
+      await app.uploads.start(await part_blobs(series.upload, files), title.trim(), series.fingerprint);
       navigate("/scans");
     } catch (thrown) {
       set_fault(fault_text(thrown));

@@ -21,10 +21,14 @@ FILES, SERIES = 3000, 6
 SECONDS = 10.0
 LONGEST_TASK_MS = 100.0  # a hand notices more
 
-# In the page, before the files are chosen: tasks over 50 ms, pauses between pictures of the screen, and how often the progress changed.
+# In the page, before the files are chosen: tasks over 50 ms from the choice on (of the task that brings the choice Chromium has spent
+# a part before the page hears of it, on making 3,000 objects: that part is told apart), pauses between pictures of the screen, and how often the progress changed.
 PROBE = """() => {
-  const probe = (window.scanProbe = { from: 0, to: 0, longest_task: 0, longest_pause: 0, progress: 0 });
-  new PerformanceObserver((list) => { for (const e of list.getEntries()) if (probe.from && !probe.to) probe.longest_task = Math.max(probe.longest_task, e.duration); })
+  const probe = (window.scanProbe = { from: 0, to: 0, longest_task: 0, before: 0, longest_pause: 0, progress: 0 });
+  new PerformanceObserver((list) => { for (const e of list.getEntries()) if (probe.from && !probe.to) {
+    probe.before = Math.max(probe.before, probe.from - e.startTime);
+    probe.longest_task = Math.max(probe.longest_task, e.startTime + e.duration - Math.max(e.startTime, probe.from));
+  } })
     .observe({ type: "longtask" });
   addEventListener("change", () => (probe.from = performance.now()), { capture: true, once: true });
   let last = 0, shown = "";
@@ -87,7 +91,7 @@ def write_disc(disc: Path, files: int) -> int:
 def measure(quick: bool) -> list[Result]:
     from playwright.sync_api import sync_playwright
 
-    files, seconds, tasks, pauses, progress = FILES, [], [], [], []
+    files, seconds, tasks, before, pauses, progress = FILES, [], [], [], [], []
     with folder(users.ordinary_user()) as base, prepared(base, "cpu") as stack, sync_playwright() as playwright:
         write_disc(base / "disc", files)
         person = Person(stack)
@@ -107,11 +111,13 @@ def measure(quick: bool) -> list[Result]:
             assert page.locator(".series-card").count() == SERIES, "a bad file has stopped the scan"
             seconds.append((probe["to"] - probe["from"]) / 1000)
             tasks.append(probe["longest_task"])
+            before.append(probe["before"])
             pauses.append(probe["longest_pause"])
             progress.append(probe["progress"])
             context.close()
         browser.close()
     return [result(f"{files} files of 0.5 MB looked through", seconds, "s", at_most=SECONDS),
-            result("longest task of the page", tasks, "ms", at_most=LONGEST_TASK_MS),
+            result("longest task of the page, from the choice on", tasks, "ms", at_most=LONGEST_TASK_MS),
+            result("Chromium's own, before the page hears of the choice", before, "ms"),
             result("longest pause between two pictures of the screen", pauses, "ms"),
             result("times the progress changed", progress, "", at_least=10)]
