@@ -39,6 +39,7 @@
 #include "common/service/admin_server.h"
 #include "common/service/core_files.h"
 #include "common/service/signals.h"
+#include "volume/store.h"
 #include "volume/volume.h"
 
 namespace diaphane::api {
@@ -201,6 +202,8 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   Periodic dispose("disposal", 5s, [&] {
     (void)data_set_store.expire_uploads(clock.wall());
     metrics.disposed(disposer.dispose());
+    // What an ingestd that was killed left of a volume, also while none runs.
+    (void)volume::sweep_unfinished(settings.volume_dir);
   });
   Periodic end_visits("visits", 5s, [&] { visits.expire(); });
   Periodic tidy("tidying", 10min, [&] {

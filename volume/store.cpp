@@ -177,6 +177,9 @@ class Staged {
     return sync();
   }
   Result<void> exchange() {
+    // Ours until it is erased below: a sweep in between would not wait until the new one is synced.
+    const Fd old(open(target_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+    if (old) (void)flock(old.get(), LOCK_EX | LOCK_NB);
     if (renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) != 0) {
       if (errno == ENOENT) return fail(ErrorCode::kNotFound, "there is no such volume");
       return tl::unexpected(disk_error("a volume cannot be exchanged"));
@@ -184,6 +187,7 @@ class Staged {
     // Synced before the old one goes: after a power failure there must be one of them.
     const auto synced = sync();
     inside_.reset();
+    fault_point("exchanged");
     if (synced) erase(temporary_);
     return synced;
   }

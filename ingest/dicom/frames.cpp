@@ -12,6 +12,7 @@ constexpr std::uint32_t kSopClass = 0x00080016;
 constexpr std::uint32_t kFrames = 0x00280008;
 constexpr std::uint32_t kBitsAllocated = 0x00280100;
 constexpr std::uint32_t kSamples = 0x00280002;
+constexpr std::uint32_t kPixelData = 0x7FE00010;
 /// A class without functional groups; which one does not matter to the decoder.
 constexpr std::string_view kPlainClass{"1.2.840.10008.5.1.4.1.1.4\0", 26};
 
@@ -62,44 +63,48 @@ bool put_native(std::vector<std::byte>& out, const Precheck& in, std::uint64_t f
   const std::uint64_t bits = number(in, kBitsAllocated, 16);
   const std::uint64_t bytes =
       std::uint64_t{in.rows} * in.columns * number(in, kSamples, 1) * ((bits + 7) / 8);
-  const Range& pixels = in.fragments.front();
-  const std::uint64_t from = pixels.begin + frame * bytes;
-  if (bits < 8 || from + bytes > pixels.end) return false;
+  const auto all = in.pixels.front();
+  if (bits < 8 || (frame + 1) * bytes > all.size()) return false;
   const std::uint64_t padded = bytes + bytes % 2;
-  put_header(out, in.syntax, pixels.tag, bits > 8 ? "OW" : "OB",
+  put_header(out, in.syntax, kPixelData, bits > 8 ? "OW" : "OB",
              static_cast<std::uint32_t>(padded));
-  const auto begin = in.plain.begin() + static_cast<std::ptrdiff_t>(from);
-  out.insert(out.end(), begin, begin + static_cast<std::ptrdiff_t>(bytes));
+  const auto own = all.subspan(frame * bytes, bytes);
+  out.insert(out.end(), own.begin(), own.end());
   out.resize(out.size() + (padded - bytes));
   return true;
 }
 
-bool put_compressed(std::vector<std::byte>& out, const Precheck& in, std::uint64_t frame) {
+void put_compressed(std::vector<std::byte>& out, const Precheck& in, std::uint64_t frame) {
   constexpr std::uint32_t kItem = 0xFFFEE000, kEnd = 0xFFFEE0DD, kUndefined = 0xFFFFFFFF;
-  if (in.fragments.size() != in.frames + 1) return false;  // one each, the pre-check saw to it
-  put_header(out, in.syntax, in.elements.back().tag, "OB", kUndefined);
+  const std::span own = std::span(in.pixels).subspan(
+      in.frame_fragments[frame], in.frame_fragments[frame + 1] - in.frame_fragments[frame]);
+  std::size_t length = 0;
+  for (const auto part : own) length += part.size();
+  put_header(out, in.syntax, kPixelData, "OB", kUndefined);
   put_tag(out, kItem, false);
   put32(out, 0, false);  // no offset table
-  const Range& at = in.fragments[frame + 1];
   put_tag(out, kItem, false);
-  put32(out, static_cast<std::uint32_t>(at.end - at.begin), false);
-  out.insert(out.end(), in.plain.begin() + static_cast<std::ptrdiff_t>(at.begin),
-             in.plain.begin() + static_cast<std::ptrdiff_t>(at.end));
+  put32(out, static_cast<std::uint32_t>(length), false);
+  for (const auto part : own) out.insert(out.end(), part.begin(), part.end());
   put_tag(out, kEnd, false);
   put32(out, 0, false);
-  return true;
 }
 
 }  // namespace
 
 std::vector<std::byte> frame_file(const Precheck& checked, std::uint64_t frame) {
-  if (frame >= checked.frames || checked.fragments.empty()) return {};
+  if (frame >= checked.frames || checked.pixels.empty()) return {};
+  if (checked.encapsulated && frame + 1 >= checked.frame_fragments.size()) return {};
+  // A class that has functional groups is of no use to one frame without them.
+  const bool one_of_many = checked.frames > 1 || checked.has_groups;
   std::vector<std::byte> out(
       checked.plain.begin(),
-      checked.plain.begin() + static_cast<std::ptrdiff_t>(checked.elements.front().begin));
+      checked.plain.begin() + static_cast<std::ptrdiff_t>(checked.elements.empty()
+                                                              ? checked.plain.size()
+                                                              : checked.elements.front().begin));
   for (const Range& element : checked.elements) {
-    if (element.tag == kFrames || element.tag == checked.elements.back().tag) continue;
-    if (element.tag == kSopClass) {
+    if (element.tag == kFrames && one_of_many) continue;
+    if (element.tag == kSopClass && one_of_many) {
       put_header(out, checked.syntax, kSopClass, "UI", kPlainClass.size());
       const auto* text = reinterpret_cast<const std::byte*>(kPlainClass.data());
       out.insert(out.end(), text, text + kPlainClass.size());
@@ -108,9 +113,11 @@ std::vector<std::byte> frame_file(const Precheck& checked, std::uint64_t frame) 
     out.insert(out.end(), checked.plain.begin() + static_cast<std::ptrdiff_t>(element.begin),
                checked.plain.begin() + static_cast<std::ptrdiff_t>(element.end));
   }
-  const bool ok = checked.fragments.size() == 1 ? put_native(out, checked, frame)
-                                                : put_compressed(out, checked, frame);
-  if (!ok) out.clear();
+  if (checked.encapsulated) {
+    put_compressed(out, checked, frame);
+  } else if (!put_native(out, checked, frame)) {
+    out.clear();
+  }
   return out;
 }
 

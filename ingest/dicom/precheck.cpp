@@ -158,32 +158,90 @@ std::uint64_t times(std::uint64_t a, std::uint64_t b) {
   return __builtin_mul_overflow(a, b, &product) ? UINT64_MAX : product;
 }
 
-/// Compressed pictures against what the header says of them.
+/// A compressed picture begins here, of JPEG or JPEG 2000.
+bool begins_picture(Bytes part) {
+  return part.size() >= 2 && part[0] == std::byte{0xFF} &&
+         (part[1] == std::byte{0xD8} || part[1] == std::byte{0x4F});
+}
+
+/// The numbers of an offset table, `bytes` each; nothing when it is not one for `count` frames.
+std::vector<std::uint64_t> offsets_of(Bytes data, const Range& table, std::uint64_t count,
+                                      std::size_t bytes) {
+  std::vector<std::uint64_t> offsets;
+  if (table.end - table.begin != times(count, bytes)) return offsets;
+  for (std::size_t at = table.begin; at < table.end; at += bytes) {
+    const std::uint64_t high = bytes == 8 ? u32(data, at + 4) : 0;
+    offsets.push_back(high << 32 | u32(data, at));
+  }
+  return offsets;
+}
+
+/// Where each frame begins among the fragments (from 1 in `walked`, from 0 here), and their number
+/// at the end; nothing when offsets do not all point at one, in order from the first.
+std::vector<std::size_t> firsts_by(const std::vector<std::uint64_t>& offsets,
+                                   const Walked& walked) {
+  std::vector<std::size_t> firsts;
+  const auto& all = walked.fragments;
+  std::size_t next = 1;
+  for (const std::uint64_t offset : offsets) {
+    while (next < all.size() && all[next].begin - all[1].begin < offset) ++next;
+    if (next == all.size() || all[next].begin - all[1].begin != offset) return {};
+    firsts.push_back(next++ - 1);
+  }
+  if (firsts.empty() || firsts.front() != 0) return {};
+  firsts.push_back(all.size() - 1);
+  return firsts;
+}
+
+/// Which fragments are which frame's (DICOM PS3.5, A.4): one each, all of the only one, or as a
+/// table of offsets says. Empty: it cannot be told.
+std::vector<std::size_t> firsts_of_frames(Bytes data, const Walked& walked,
+                                          const Precheck& header) {
+  const std::size_t fragments = walked.fragments.size() - 1;
+  std::vector<std::size_t> firsts;
+  if (fragments == header.frames) {
+    for (std::size_t i = 0; i <= fragments; ++i) firsts.push_back(i);
+    return firsts;
+  }
+  if (fragments < header.frames || header.syntax.packing == Packing::kRle) return firsts;
+  if (header.frames == 1) return {0, fragments};
+  firsts = firsts_by(offsets_of(data, walked.long_offsets, header.frames, 8), walked);
+  if (!firsts.empty()) return firsts;
+  return firsts_by(offsets_of(data, walked.fragments.front(), header.frames, 4), walked);
+}
+
+constexpr std::string_view kWhosePieces =
+    "compressed pictures come in pieces, and it is not said which are whose";
+
+/// Compressed pictures against what the header says of them; notes which fragments are whose.
 std::optional<std::string_view> fault_of_fragments(Bytes data, const Walked& walked,
-                                                   const Precheck& header) {
+                                                   Precheck& header) {
   constexpr std::string_view kOtherNumber = "there are more or fewer pictures than there should be";
   const PictureClaim claim{header.columns, header.rows, walked.samples.value_or(1),
                            walked.bits_allocated.value_or(16)};
-  std::vector<Bytes> fragments;  // without the first, the table of offsets
-  for (std::size_t i = 1; i < walked.fragments.size(); ++i) {
-    const Range& at = walked.fragments[i];
-    fragments.push_back(data.subspan(at.begin, at.end - at.begin));
+  if (walked.fragments.size() < 2) return "compressed pixels are missing";
+  header.frame_fragments = firsts_of_frames(data, walked, header);
+  if (header.frame_fragments.empty()) {
+    const bool in_pieces = walked.fragments.size() - 1 > header.frames && header.frames > 0 &&
+                           header.syntax.packing != Packing::kRle;
+    return in_pieces ? kWhosePieces : kOtherNumber;
   }
-  if (fragments.empty()) return "compressed pixels are missing";
-  // One picture may come in pieces; of several each is one.
-  if (header.frames == 1 && fragments.size() > 1 && header.syntax.packing != Packing::kRle) {
-    std::vector<std::byte> joined;
-    for (const Bytes& part : fragments) {
-      const bool begins = part.size() >= 2 && part[0] == std::byte{0xFF} &&
-                          (part[1] == std::byte{0xD8} || part[1] == std::byte{0x4F});
-      if (begins && !joined.empty()) return kOtherNumber;
+  std::vector<std::byte> joined;
+  for (std::size_t frame = 0; frame + 1 < header.frame_fragments.size(); ++frame) {
+    const std::size_t first = header.frame_fragments[frame];
+    const std::size_t count = header.frame_fragments[frame + 1] - first;
+    const auto fragment = [&](std::size_t i) {
+      const Range& at = walked.fragments[1 + first + i];
+      return data.subspan(at.begin, at.end - at.begin);
+    };
+    joined.clear();
+    for (std::size_t i = 0; count > 1 && i < count; ++i) {
+      const Bytes part = fragment(i);
+      if (begins_picture(part) && i > 0) return kOtherNumber;
       joined.insert(joined.end(), part.begin(), part.end());
     }
-    return fault_of(joined, header.syntax, claim);
-  }
-  if (fragments.size() != header.frames) return kOtherNumber;
-  for (const Bytes& picture : fragments) {
-    if (auto fault = fault_of(picture, header.syntax, claim)) return fault;
+    if (auto fault = fault_of(count > 1 ? Bytes(joined) : fragment(0), header.syntax, claim))
+      return fault;
   }
   return std::nullopt;
 }
@@ -213,7 +271,7 @@ void check_pixels(Bytes data, const Walked& walked, const Limits& limits, Preche
     if (result.syntax.packing != Packing::kNative) {
       return refuse_with(FileState::kDamaged, "compressed pixels are missing");
     }
-    if (bits >= 8 && walked.pixel_length < bytes) {
+    if (bits >= 8 && walked.native.end - walked.native.begin < bytes) {
       return refuse_with(FileState::kDamaged, "pixels are missing");
     }
     return;
@@ -222,7 +280,8 @@ void check_pixels(Bytes data, const Walked& walked, const Limits& limits, Preche
     return refuse_with(FileState::kDamaged, "pixels are compressed in an unknown way");
   }
   if (const auto fault = fault_of_fragments(data, walked, result)) {
-    return refuse_with(FileState::kDamaged, *fault);
+    return refuse_with(*fault == kWhosePieces ? FileState::kUnsupported : FileState::kDamaged,
+                       *fault);
   }
   result.unpacked_bytes = std::max(result.unpacked_bytes, bytes);
 }
@@ -262,10 +321,9 @@ Precheck precheck(Bytes file, const Limits& limits) {
     refusal.unpacked_bytes = result.unpacked_bytes;
     return refusal;
   };
-  Inflated inflated;
   if (syntax->deflated) {
     const std::uint64_t most = limits.inflated_free + times(limits.inflated_ratio, data.size());
-    inflated = inflate_all(data, std::min(limits.inflated_bytes, most));
+    Inflated inflated = inflate_all(data, std::min(limits.inflated_bytes, most));
     result.unpacked_bytes = inflated.data.size();
     if (inflated.state == FileState::kTooLarge) {
       return give_up(FileState::kTooLarge, "the file unpacks to more than is allowed");
@@ -273,7 +331,8 @@ Precheck precheck(Bytes file, const Limits& limits) {
     if (inflated.state != FileState::kFit) {
       return give_up(FileState::kDamaged, "the file cannot be unpacked");
     }
-    data = inflated.data;
+    result.inflated = std::move(inflated.data);
+    data = result.inflated;
   }
   const Walked walked = walk(data, syntax->explicit_vr, syntax->big_endian, limits);
   if (walked.state != FileState::kFit) return give_up(walked.state, walked.text);
@@ -282,16 +341,11 @@ Precheck precheck(Bytes file, const Limits& limits) {
   result.has_lookup_table = walked.has_lookup_table;
   if (syntax->deflated) result.syntax = *find_syntax(kExplicitLittle);  // as `plain` is
   result.plain = plain_file(data, walked.kept, result.syntax.uid, result.elements);
-  if (walked.has_pixels && !walked.encapsulated) {
-    const std::size_t end = result.plain.size();
-    result.fragments.push_back({walked.kept.back().tag, end - walked.pixel_length, end});
-  } else if (walked.encapsulated) {
-    // The pixels are the last element: what was kept of them lies as far from its end as before.
-    const std::size_t end = walked.kept.back().end;
-    for (const Range& fragment : walked.fragments) {
-      result.fragments.push_back({fragment.tag, result.plain.size() - (end - fragment.begin),
-                                  result.plain.size() - (end - fragment.end)});
-    }
+  result.encapsulated = walked.encapsulated;
+  const auto bytes_of = [&](const Range& at) { return data.subspan(at.begin, at.end - at.begin); };
+  if (walked.has_pixels && !walked.encapsulated) result.pixels.push_back(bytes_of(walked.native));
+  for (std::size_t i = 1; i < walked.fragments.size(); ++i) {
+    result.pixels.push_back(bytes_of(walked.fragments[i]));
   }
   result.has_groups = walked.has_groups;
   result.shared = texts_of(data, walked.shared);

@@ -47,6 +47,12 @@ struct GroupedText {
 };
 
 struct Precheck {
+  Precheck() = default;
+  Precheck(Precheck&&) = default;
+  Precheck& operator=(Precheck&&) = default;
+  Precheck(const Precheck&) = delete;  // views into itself
+  Precheck& operator=(const Precheck&) = delete;
+
   FileState state = FileState::kNotDicom;
   std::string text;  ///< why not, in words; nothing of the file's own texts
   TransferSyntax syntax;
@@ -57,14 +63,19 @@ struct Precheck {
   bool has_lookup_table = false;     ///< a Modality LUT Sequence is there
   std::uint64_t unpacked_bytes = 0;  ///< that a compressed file becomes; 0: it is not compressed
   /// What GDCM is given instead of the file: the few elements that a volume depends on, inflated,
-  /// behind a header of our own. Overlays, private and nested elements, comments and the preamble
-  /// never get to it: nobody needs them, and over some that are broken it ends the process (failed
-  /// assertions in 3.0.21, found by precheck_test).
+  /// behind a header of our own, without the pixels. Overlays, private and nested elements,
+  /// comments and the preamble never get to it: nobody needs them, and over some that are broken it
+  /// ends the process (failed assertions in 3.0.21, found by precheck_test).
   std::vector<std::byte> plain;
-  std::vector<Range> elements;  ///< of `plain`, the pixels last
-  /// Values in `plain`: of native pixels the one; of compressed pixels the offset table and those
-  /// of the fragments.
-  std::vector<Range> fragments;
+  std::vector<Range> elements;  ///< of `plain`
+  /// The bytes of the pixels: of native ones all in one, of compressed ones the fragments without
+  /// the offset table. They stand in the file that was checked, or in `inflated`: a file of 1 GB is
+  /// not to be held twice.
+  std::vector<std::span<const std::byte>> pixels;
+  bool encapsulated = false;
+  /// Of compressed pixels the number of the first fragment of each frame, and that of fragments.
+  std::vector<std::size_t> frame_fragments;
+  std::vector<std::byte> inflated;  ///< what a deflated file became
 
   bool has_groups = false;          ///< an enhanced file, which says of each frame where it lies
   std::vector<GroupedText> shared;  ///< of all frames
@@ -74,13 +85,13 @@ struct Precheck {
 /// Walks the whole file before any library sees it: every length within the bytes that remain,
 /// sequences no deeper than the limit, pixels within the quota and all there, pictures inside
 /// compressed pixels of the size that the header says, a transfer syntax that is on the list. Pure;
-/// reads nothing but `file`; memory beyond the file only for a deflated one, up to
-/// `limits.inflated_bytes`. (Design: ingest, "Hostile input": a 286-byte file can make a reader ask
-/// for 8.4 GB.)
+/// reads nothing but `file`, which has to stay where it is for as long as the result is used;
+/// memory beyond the file only for a deflated one, up to `limits.inflated_bytes`. (Design: ingest,
+/// "Hostile input": a 286-byte file can make a reader ask for 8.4 GB.)
 Precheck precheck(std::span<const std::byte> file, const Limits& limits);
 
-/// Of a file with several frames, one frame as `Precheck::plain` of a file with one. Empty when it
-/// is not clear which of the compressed pixels are its. Precondition: a fit file with pixels.
+/// One frame as a file of its own: `Precheck::plain` and its pixels, compressed ones as one
+/// fragment. Empty when there is no such frame. Precondition: a fit file with pixels.
 std::vector<std::byte> frame_file(const Precheck& checked, std::uint64_t frame);
 
 }  // namespace diaphane::dicom

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <random>
 
 #include "ingest/dicom/read_slice.h"
@@ -50,6 +51,22 @@ TEST(Precheck, APlainSliceIsFit) {
   EXPECT_EQ(checked.rows, 2);
   EXPECT_EQ(checked.columns, 3);
   EXPECT_TRUE(checked.has_pixels);
+}
+
+TEST(Precheck, PixelsStayInTheFileSoThatALargeOneIsNotHeldTwice) {
+  const std::string file = header() + element(0x28, 8, "IS", "2 ") + sizes(2, 3) +
+                           pixels(24, std::string(12, 'p') + std::string(12, 'q'));
+  const Precheck checked = check(file);
+  ASSERT_EQ(checked.pixels.size(), 1U);
+  EXPECT_EQ(checked.pixels[0].size(), 24U);
+  const auto* begin = reinterpret_cast<const std::byte*>(file.data());
+  EXPECT_GE(checked.pixels[0].data(), begin);
+  EXPECT_LE(checked.pixels[0].data() + 24, begin + file.size());
+  EXPECT_LT(checked.plain.size(), 300U);
+  const auto second = frame_file(checked, 1);
+  EXPECT_EQ(std::count(second.begin(), second.end(), std::byte{'q'}), 12);
+  EXPECT_EQ(std::count(second.begin(), second.end(), std::byte{'p'}), 0);
+  EXPECT_TRUE(frame_file(checked, 2).empty());
 }
 
 TEST(Precheck, ATinyFileThatClaimsAnEnormousPictureIsTooLarge) {

@@ -302,12 +302,10 @@ Result<std::vector<Slice>> read_slices(const Precheck& checked) {
 Result<Values> read_values(const Precheck& checked, const Slice& slice, double unit) {
   silence_gdcm();
   if (!checked.has_pixels) return fail(ErrorCode::kInvalid, "a slice has no pixels");
-  std::vector<std::byte> one;
-  if (checked.frames > 1 || slice.one_of_frames) {
-    one = frame_file(checked, slice.frame);
-    if (one.empty()) return fail(ErrorCode::kInvalid, "it is unclear which pixels are a slice's");
-  }
-  ByteBuffer buffer(one.empty() ? checked.plain : one);
+  // One at a time: the file may be much larger than a slice.
+  const std::vector<std::byte> one = frame_file(checked, slice.frame);
+  if (one.empty()) return fail(ErrorCode::kInvalid, "the pixels of a slice are not all there");
+  ByteBuffer buffer(one);
   std::istream stream(&buffer);
   gdcm::ImageReader reader;
   reader.SetStream(stream);

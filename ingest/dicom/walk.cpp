@@ -14,6 +14,7 @@ constexpr std::uint32_t kItemEnd = 0xFFFEE00D;
 constexpr std::uint32_t kSequenceEnd = 0xFFFEE0DD;
 constexpr std::uint32_t kPixelData = 0x7FE00010;
 constexpr std::uint32_t kModalityLookupTable = 0x00283000;
+constexpr std::uint32_t kExtendedOffsets = 0x7FE00001;
 
 /// All that is ever read of a file (dicom/slice.h): rising, for the search.
 constexpr std::array<std::uint32_t, 27> kNeeded{
@@ -142,7 +143,6 @@ class Walker {
       if (e.tag >> 16 == 0xFFFE) damaged("an item stands where an element should");
       if (depth == 0 && e.tag == kPixelData) {
         pixels(e, end);
-        result_.kept.push_back({e.tag, begin, at_});
       } else {
         if (depth == 0) top_ = e.tag;
         if (depth == 1) group_ = e.tag;
@@ -200,7 +200,7 @@ class Walker {
     if (explicit_ && !e.is("OW") && !e.is("OB")) damaged("the pixels are no pixels");
     if (e.length != kUndefined) {
       need(e.length, end);
-      result_.pixel_length = e.length;
+      result_.native = {e.tag, at_, at_ + e.length};
       at_ += e.length;
       return;
     }
@@ -221,6 +221,7 @@ class Walker {
 
   void note(const Element& e, std::size_t begin, bool is_plain) {
     if (e.tag == kModalityLookupTable) result_.has_lookup_table = true;
+    if (e.tag == kExtendedOffsets && is_plain) result_.long_offsets = {e.tag, at_ - e.length, at_};
     if (!std::binary_search(kNeeded.begin(), kNeeded.end(), e.tag)) return;
     if (!is_plain || e.length > kLongestNeeded) damaged("an element has an odd form");
     result_.kept.push_back({e.tag, begin, at_});

@@ -19,13 +19,14 @@ struct Walked {
   std::optional<std::uint64_t> frames;
   bool has_lookup_table = false;  ///< a Modality LUT Sequence
   std::vector<Range>
-      kept;  ///< those elements that a volume depends on, by rising tag; no sequences
+      kept;  ///< those elements that a volume depends on, by rising tag; no sequences, no pixels
   bool has_pixels = false;
   bool encapsulated = false;
-  std::uint64_t pixel_length = 0;  ///< bytes of native pixels
-  std::vector<Range> fragments;    ///< values of the items of compressed pixels; 0: offset table
-  bool has_groups = false;         ///< there are functional groups
-  std::vector<Range> shared;       ///< values that all frames have in common
+  Range native;                  ///< value of native pixels
+  std::vector<Range> fragments;  ///< values of the items of compressed pixels; 0: offset table
+  Range long_offsets;            ///< value of the Extended Offset Table; empty: there is none
+  bool has_groups = false;       ///< there are functional groups
+  std::vector<Range> shared;     ///< values that all frames have in common
   std::vector<std::vector<Range>> each;  ///< values that each frame has of its own
 };
 

@@ -115,10 +115,12 @@ def build_killer(folder: Path) -> Path:
     return library
 
 
-def run_ingestd(stack, admin_port: int, killer: Path | None = None, step: int = 0) -> subprocess.Popen:
+def run_ingestd(stack, admin_port: int, killer: Path | None = None, step: int = 0, faults: Path | None = None) -> subprocess.Popen:
     """An ingestd of the test's own on the stack's stores."""
     folder = stack.data_dir
     environment = {**os.environ}
+    if faults:
+        environment |= {"DIAPHANE_FAULT_DIR": str(faults)}
     if killer:
         environment |= {"LD_PRELOAD": str(killer), "KILL_BEFORE_STEP": str(step)}
     program = stack.stack.settings.layout.bin / "diaphane-ingestd"

@@ -98,6 +98,20 @@ def test_killed_before_each_of_its_steps_it_leaves_the_old_or_the_new_and_anothe
         check_cut(stores_and_api, data_set)
 
 
+def test_killed_between_exchange_and_erasing_nothing_stays_although_no_ingestd_comes_back(stores_and_api, port, tmp_path):
+    data_set, content = ready_data_set(stores_and_api)
+    order(stores_and_api, data_set, content)
+    (tmp_path / "exchanged").touch()
+    tmp_path.chmod(0o777)
+    doomed = run_ingestd(stores_and_api, port, faults=tmp_path)
+    doomed.communicate(timeout=60)
+    assert doomed.returncode == -signal.SIGKILL
+    assert (volume_path(stores_and_api, data_set) / "voxels.i16").read_bytes() == expected_left(), "it died behind the exchange"
+    stores_and_api.wait_until(lambda: holders_of_mark(stores_and_api.data_dir) == [], 60, "api's sweep")
+    finish(stores_and_api, [data_set], port)
+    check_cut(stores_and_api, data_set)
+
+
 def test_a_cut_that_cannot_be_made_leaves_all_as_it_was_and_says_so(stores_and_api, port):
     for keep, of, words in (({"box": {"low": [0, 0, 90], "high": [9, 9, 99]}}, None, "Too little"),
                             (None, "blake2b:" + "0" * 64, "not the one")):

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import shutil
+import struct
 import subprocess
 from dataclasses import replace
+from itertools import accumulate
 from pathlib import Path
 from typing import Callable
 
 import numpy as np
+from pydicom import dcmread
 from pydicom.dataset import Dataset
+from pydicom.encaps import encapsulate, generate_frames
 from pydicom.uid import (DeflatedExplicitVRLittleEndian, ExplicitVRBigEndian, ExplicitVRLittleEndian, ImplicitVRLittleEndian, JPEG2000Lossless,
                          MPEG2MPML, RLELossless)
 
@@ -70,11 +74,28 @@ def coloured(slices: list[Slice], photometric: str) -> Make:
     return _changed(slices, change)
 
 
-def compressed_frames(series: Series, slices: list[Slice]) -> Make:
+def compressed_frames(series: Series, slices: list[Slice], syntax: str = RLELossless) -> Make:
     def make(folder: Path) -> None:
         ds = enhanced(series, slices)
-        ds.compress(RLELossless)
+        ds.compress(syntax)
         write(folder, [ds])
+    return make
+
+
+def in_pieces(made: Make, pieces: int, offsets: str = "") -> Make:
+    """Each picture in several fragments; `offsets`: "basic", "extended" or no table that says which are whose."""
+    def make(folder: Path) -> None:
+        made(folder)
+        for file in folder.iterdir():
+            ds = dcmread(file)
+            pictures = list(generate_frames(ds.PixelData, number_of_frames=int(ds.get("NumberOfFrames", 1))))
+            ds.PixelData = encapsulate(pictures, fragments_per_frame=pieces, has_bot=offsets == "basic")
+            if offsets == "extended":
+                # Without the empty table, 8 bytes, that stands before each.
+                lengths = [len(encapsulate([one], fragments_per_frame=pieces, has_bot=False)) - 8 for one in pictures]
+                ds.ExtendedOffsetTable = struct.pack(f"<{len(lengths)}Q", *accumulate(lengths[:-1], initial=0))
+                ds.ExtendedOffsetTableLengths = struct.pack(f"<{len(lengths)}Q", *lengths)
+            ds.save_as(file)
     return make
 
 
@@ -110,6 +131,9 @@ def transfer_syntaxes(slices: list[Slice]) -> list[tuple[str, Make, float, str |
         ("JPEG-LS", by_dcmtk("dcmcjpls", "+el"), 6, None),
         ("JPEG-LS, near-lossless", by_dcmtk("dcmcjpls", "+en", "+md", "2"), 9, None),
         ("JPEG 2000, lossless", compressed(JPEG2000Lossless), 6, None),
+        ("JPEG lossless, each in 4 pieces", in_pieces(by_dcmtk("dcmcjpeg", "+e1"), 4), 6, None),
+        ("JPEG-LS, each in 3 pieces", in_pieces(by_dcmtk("dcmcjpls", "+el"), 3), 6, None),
+        ("JPEG 2000, each in 5 pieces", in_pieces(compressed(JPEG2000Lossless), 5), 6, None),
     ]
 
 

@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Callable
 
+from pydicom.uid import JPEG2000Lossless
+
 from . import pixels
 from .judge import Volume
 from .phantom import (CT, ENHANCED_CT, ENHANCED_MR, MR, PT, SAGITTAL, Series, Slice, Values, dataset, enhanced, even,
@@ -86,6 +88,7 @@ _FRAMES_MR = Series(ENHANCED_MR, values=lifted)
 _SCOUT = {"ImageType": ["ORIGINAL", "PRIMARY", "LOCALIZER"]}
 _PET = [replace(one, intercept=0.0, slope=0.5 + 0.05 * i) for i, one in enumerate(stack())]
 _SMALL_FRAMES = stack(20, rows=20, columns=24)
+_J2K_FRAMES = pixels.compressed_frames(_FRAMES, stack(20, rows=32, columns=32), JPEG2000Lossless)   # smaller ones it cannot pack
 
 
 def _scouts_inside(folder: Path) -> None:
@@ -148,6 +151,11 @@ CASES: list[Case] = [
          _one_file(_FRAMES_MR, _each(stack(), lambda i: {"slope": 0.2 + 0.01 * i, "intercept": 0.0})),
          "brought to one scale", truth=lifted, unit=0.39, air=-1),
     Case(12, "enhanced CT, RLE", "built", pixels.compressed_frames(_FRAMES, _SMALL_FRAMES), truth=even),
+    *[Case(12, f"enhanced CT, JPEG 2000 in pieces, {offsets} offsets", "built",
+           pixels.in_pieces(_J2K_FRAMES, 3, offsets), truth=even)
+      for offsets in ("basic", "extended")],
+    Case(12, "enhanced CT, JPEG 2000 in pieces, no offsets", "refused: unsupported_compression",
+         pixels.in_pieces(_J2K_FRAMES, 3), "come in pieces", browser="built"),
     Case(12, "enhanced MR of two stacks", "2 x built",
          _one_file(_FRAMES_MR, _each(stack(20) + stack(18, orientation=SAGITTAL), lambda i: {"intercept": 0.0}),
                    [{"stack": 1}] * 20 + [{"stack": 2}] * 18), truth=lifted, air=-1),
