@@ -44,8 +44,9 @@ class Assistant {
   virtual std::optional<AssistPart> take(const AssistNews& news) = 0;
   /// For good, or for now: nothing will come of the task. One that can comes back when asked.
   virtual bool lost() = 0;
-  /// That its parts come over.
-  virtual double bytes_per_second() const { return 1e10; }
+  /// That its parts come over, before they can be merged. Within a process they stay where they are
+  /// until then, and merging reads them there.
+  virtual double bytes_per_second() const { return 1e12; }
 };
 
 }  // namespace diaphane::render

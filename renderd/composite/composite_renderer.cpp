@@ -45,6 +45,7 @@ Result<void> CompositeRenderer::set_scene(const diaphane::v1::Scene& scene, Canv
   task_.canvas = canvas;
   sequence_ = 0;
   own_share_ = {};
+  before_ = report_.assistants > 0 ? std::optional(report_.division) : std::nullopt;
   drawn_.assign((canvas.height + kShareRows - 1) / kShareRows, 0);
   for (Helper& helper : helpers_) helper.silent = false;
   report_ = {};
@@ -66,7 +67,9 @@ Division CompositeRenderer::choose() const {
     slowest = std::min(slowest, helper.assistant->bytes_per_second());
   }
   question.bytes_per_second = slowest;
-  question.merge_seconds = merge_seconds_per_pixel_;
+  question.merge_seconds = std::max(merge_seconds_per_pixel_, kMergeSeconds);
+  question.turn_seconds = turn_seconds_;
+  question.before = before_;
   return choose_division(question);
 }
 
@@ -214,6 +217,12 @@ Result<void> CompositeRenderer::await_bands(const std::function<bool()>& stop) {
       const auto batch = own_->render(2, stop);
       if (!batch) return tl::unexpected(batch.error());
       learn_own(*batch);
+    } else if (drawn_[own_share_.first_row / kShareRows] < 2) {
+      // The others draw a pair before they hand over their first part: so does this one.
+      const auto batch = own_->render(1, stop);
+      if (!batch) return tl::unexpected(batch.error());
+      learn_own(*batch);
+      own_extra_ += batch->samples;
     } else {
       std::this_thread::sleep_for(std::chrono::microseconds(300));
     }
@@ -228,11 +237,14 @@ Result<Batch> CompositeRenderer::render(std::uint32_t samples, const std::functi
   if (!batch) return batch;
   learn_own(*batch);
   const auto begin = Clock::now();
+  own_extra_ = 0;
   if (auto done = absorb(); !done) return tl::unexpected(done.error());
   if (batch->samples > 0) {
     if (auto done = await_bands(stop); !done) return tl::unexpected(done.error());
   }
+  batch->samples += own_extra_;
   batch->seconds += seconds_since(begin);
+  turn_seconds_ = mean(turn_seconds_, batch->seconds);
   return batch;
 }
 

@@ -89,6 +89,9 @@ class CompositeRenderer final : public FrameRenderer {
   std::vector<std::uint64_t> drawn_;  ///< samples that the film has, each kShareRows rows
   RowCosts costs_;
   double merge_seconds_per_pixel_ = 0;  ///< 0: unknown
+  double turn_seconds_ = 0;             ///< of a call of render(); 0: unknown
+  std::optional<Division> before_;      ///< of the picture before this one
+  std::uint32_t own_extra_ = 0;         ///< samples beyond those asked for, in this call
   mutable double samples_needed_ = 16;  ///< to 5%, as the last picture was seen to need
   mutable double told_error_ = 0;       ///< of the last progress()
   CompositeReport report_;

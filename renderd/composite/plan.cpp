@@ -12,9 +12,14 @@ double pixels_of(Canvas canvas) { return double(canvas.width) * double(canvas.he
 /// Parts come in pairs of samples.
 constexpr double kPair = 2;
 
-/// Parts that an epoch of so many samples hands over on the way (part_due).
+/// Parts of an epoch in which a device hands over so many samples: as part_due() has them, in
+/// pairs, with each fourth of what was handed over before.
 double parts_for(double samples) {
-  return 1 + std::max(0.0, std::log(samples / kPair) / std::log(1.25));
+  double parts = 0;
+  for (double delivered = 0; delivered < samples; ++parts) {
+    delivered += kPair * std::max(1.0, std::ceil(delivered / 4 / kPair));
+  }
+  return std::max(parts, 1.0);
 }
 
 }  // namespace
@@ -93,28 +98,33 @@ std::vector<std::optional<Share>> plan_shares(Division division, Canvas canvas,
 DivisionGain predict(Division division, const DivisionQuestion& question) {
   const double pixels = pixels_of(question.canvas);
   const double speed = std::accumulate(question.speeds.begin(), question.speeds.end(), 0.0);
-  const double rendering = question.samples * pixels / speed;
   const auto others = static_cast<double>(question.speeds.size() - 1);
-  if (others == 0) return {rendering, 0};
+  if (others == 0) return {question.samples * pixels / speed, 0};
+  const bool average = division == Division::kAverage;
   // Of all that is merged in one turn.
-  const double merged = division == Division::kAverage
-                            ? others * pixels
-                            : pixels * (1 - question.speeds.front() / speed);
-  const double each = question.samples / (division == Division::kAverage ? others + 1 : 1);
-  const double parts = parts_for(std::max(each, kPair));
-  const double moving = merged * sizeof(PackedPixel) / question.bytes_per_second;
-  const double merging = merged * question.merge_seconds;
-  double seconds = rendering + moving + parts * merging;
-  if (division == Division::kAverage) {
-    // The first part of a device is a pair of the whole picture: where fewer samples than those
-    // would do, it comes too late, and the first device is alone.
-    const double slowest = *std::min_element(question.speeds.begin() + 1, question.speeds.end());
-    const double first_part = kPair * pixels / slowest + moving + merging;
+  const double merged = average ? others * pixels : pixels * (1 - question.speeds.front() / speed);
+  const double part =
+      others * question.part_seconds +
+      merged * (sizeof(PackedPixel) / question.bytes_per_second + question.merge_seconds);
+  // Of an average each device draws pairs; of tiles the slowest band is waited for.
+  const double each = question.samples / (average ? others + 1 : 1);
+  const double rendering = average ? kPair * std::ceil(each / kPair) * (others + 1) * pixels / speed
+                                   : each * pixels / speed * (1 + kBandsUneven * others);
+  double parts = parts_for(each);
+  if (question.turn_seconds > 0) {
+    // As many as turns end, which are more the more parts there are.
+    double fitting = 1;
+    for (int i = 0; i < 8; ++i) {
+      fitting = std::max(1.0, std::round((rendering + fitting * part) / question.turn_seconds));
+    }
+    parts = std::min(parts, fitting);
+  }
+  double seconds = rendering + parts * part;
+  if (average) {
+    // In the turn of the device that shows it nobody else's samples come in; and where a pair of
+    // each is more than is needed, it is as fast alone.
     const double alone = question.samples * pixels / question.speeds.front();
-    seconds = std::min(alone, std::max(seconds, first_part));
-  } else {
-    const double first_part = kPair * pixels / speed + moving + merging;
-    seconds = std::max(seconds, first_part);
+    seconds = std::min(std::max(seconds, question.turn_seconds), alone);
   }
   return {seconds, parts * merged * sizeof(PackedPixel)};
 }
@@ -128,7 +138,8 @@ Division choose_division(const DivisionQuestion& question) {
   if (question.canvas.height < kShareRows * question.speeds.size()) return Division::kAverage;
   const double average = predict(Division::kAverage, question).seconds;
   const double tiles = predict(Division::kTiles, question).seconds;
-  return tiles < 0.9 * average ? Division::kTiles : Division::kAverage;
+  const double faster = question.before == Division::kTiles ? 1.0 : 0.9;
+  return tiles < faster * average ? Division::kTiles : Division::kAverage;
 }
 
 bool part_due(const PartQuestion& question) {

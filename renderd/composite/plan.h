@@ -43,13 +43,26 @@ std::vector<std::optional<Share>> plan_shares(Division division, Canvas canvas,
                                               const std::vector<double>& speeds,
                                               const RowCosts& costs, std::uint64_t sequence);
 
+/// What parts cost where their pixels lie on another GPU of the host, measured with two and with
+/// four H200 (docs/figures.md, `many`): seconds of each part, and of each of its pixels.
+inline constexpr double kPartSeconds = 0.6e-3;
+inline constexpr double kMergeSeconds = 0.03e-9;
+/// There too: how much longer than its even share the slowest band takes, for each further device.
+inline constexpr double kBandsUneven = 0.15;
+
 /// What decides between the two.
 struct DivisionQuestion {
   Canvas canvas;
-  double samples = 16;            ///< per pixel, that the picture needs
-  std::vector<double> speeds;     ///< pixels' samples a second; the first device shows the picture
-  double bytes_per_second = 1e9;  ///< of what parts come over, all together
-  double merge_seconds = 1e-9;    ///< of one pixel, on the device that shows the picture
+  double samples = 16;             ///< per pixel, that the picture needs
+  std::vector<double> speeds;      ///< pixels' samples a second; the first device shows the picture
+  double bytes_per_second = 1e12;  ///< of what parts come over, all together
+  double merge_seconds = kMergeSeconds;  ///< of one pixel, on the device that shows the picture
+  double part_seconds = kPartSeconds;    ///< of one part, beside its pixels
+  /// Parts are taken between the turns of the device that shows the picture, each so long; 0: at
+  /// once.
+  double turn_seconds = 0;
+  /// How the picture before was divided: kept unless the other way is faster.
+  std::optional<Division> before;
 };
 
 struct DivisionGain {
@@ -60,7 +73,8 @@ struct DivisionGain {
 /// The time until the devices together have drawn the samples and the last of them are merged.
 DivisionGain predict(Division division, const DivisionQuestion& question);
 /// Tiles where they are a tenth faster: a device that is lost takes a band with it, which others
-/// must render again, and costs an average nothing but its speed. Unknown speeds: an average.
+/// must render again, and costs an average nothing but its speed. Once taken they stay until an
+/// average is faster: measurements scatter, and each change costs. Unknown speeds: an average.
 Division choose_division(const DivisionQuestion& question);
 
 /// Whether a device hands its part over now.
