@@ -34,7 +34,7 @@ def test_a_camera_is_the_scene_before_it_seen_from_there(tmp_path):
 
 def test_a_frame_shows_the_newest_scene_that_was_there():
     played = [(0, {"n": 0}), (40, {"n": 1}), (60, {"n": 2}), (250, {"n": 3})]
-    assert [scene["n"] for scene in replay.shown_at(played, 10)] == [0, 2, 2]
+    assert [scene["n"] for scene in replay.shown_at(played, 10)] == [0, 2, 2, 3], "the end is shown"
     assert [scene["n"] for scene in replay.shown_at(played, 20)] == [0, 1, 2, 2, 2, 3]
 
 

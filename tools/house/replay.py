@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import copy
 import json
+import math
 import os
 import secrets
 import subprocess
@@ -54,9 +55,9 @@ def scenes(document: dict) -> list[tuple[int, dict]]:
 
 
 def shown_at(played: list[tuple[int, dict]], frames_per_second: float) -> list[dict]:
-    """The scene of each frame: the newest that was there by then."""
+    """The scene of each frame: the newest that was there by then. The last frame shows the last one."""
     frames, next_one = [], 0
-    for frame in range(int(played[-1][0] * frames_per_second / 1000) + 1):
+    for frame in range(math.ceil(played[-1][0] * frames_per_second / 1000) + 1):
         while next_one + 1 < len(played) and played[next_one + 1][0] <= frame * 1000 / frames_per_second:
             next_one += 1
         frames.append(played[next_one][1])
