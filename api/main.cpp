@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "api/admin_command.h"
@@ -26,6 +27,7 @@
 #include "api/postgres/privacy_repository.h"
 #include "api/postgres/recording_repository.h"
 #include "api/postgres/report_repository.h"
+#include "api/postgres/second_factor_repository.h"
 #include "api/postgres/sharing_repository.h"
 #include "api/redis/client.h"
 #include "api/redis/links.h"
@@ -78,6 +80,7 @@ int run_migrate(ConfigReader& in) {
 struct Settings {
   std::string postgres, redis, public_url, upload_dir, volume_dir, cache_dir, mail, mail_from;
   std::string sample_token;
+  std::optional<SealingKey> factor_key;
   std::uint16_t api_port = 0, stream_port = 0, admin_port = 0;
   DataSets::Options data_sets;
 };
@@ -110,6 +113,13 @@ Settings read_settings(ConfigReader& in) {
     if (!(file >> s.sample_token) || s.sample_token.size() < 32) {
       in.mistake("--sample-token: no such file, or less than 32 characters in it");
     }
+  }
+  const std::string key_file =
+      in.text("factor-key", "file with 64 hex digits: seals the secrets of second factors");
+  if (auto key = SealingKey::read(key_file)) {
+    s.factor_key = *std::move(key);
+  } else if (!key_file.empty()) {
+    in.mistake("--factor-key: " + key.error().message);
   }
   const bool origin = s.public_url.starts_with("http://") || s.public_url.starts_with("https://");
   if (!s.public_url.empty() && (!origin || s.public_url.ends_with('/'))) {
@@ -156,7 +166,12 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   RequestMetrics metrics((*admin)->registry());
 
   PasswordHasher hasher(kHashingSlots);
-  Accounts accounts(account_store, hasher, clock, {.public_url = settings.public_url});
+  SecondFactorRepository factor_store(database);
+  const SealingKey& factor_key = settings.factor_key.value();
+  CodeCheck code_check(factor_store, account_store, factor_key, clock,
+                       {.public_url = settings.public_url});
+  Accounts accounts(account_store, hasher, code_check, clock, {.public_url = settings.public_url});
+  SecondFactors second_factors(factor_store, accounts, code_check, factor_key, clock, {});
   AccountChanges account_changes(account_change_store, account_store, accounts, hasher, placed,
                                  clock, {.public_url = settings.public_url});
   UploadFiles files(settings.upload_dir);
@@ -219,6 +234,8 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   });
   accounts.on_mail([&] { send_mails.wake(); });
   account_changes.on_mail([&] { send_mails.wake(); });
+  code_check.on_mail([&] { send_mails.wake(); });
+  second_factors.on_mail([&] { send_mails.wake(); });
   sharing.on_mail([&] { send_mails.wake(); });
   data_sets.on_disposal([&] { dispose.wake(); });
   uploads.on_disposal([&] { dispose.wake(); });
@@ -232,6 +249,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
                          }});
   front.add(account_routes(accounts, render_time, front));
   front.add(account_change_routes(account_changes, front));
+  front.add(second_factor_routes(second_factors));
   front.add(admin_routes(administration));
   front.add(privacy_routes(exports, deletion, front));
   front.add(data_set_routes(data_sets, thumbnails));

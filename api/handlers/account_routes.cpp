@@ -5,16 +5,8 @@
 namespace diaphane::api {
 namespace {
 
-struct Credentials {
-  std::string email, password;
-};
-
-Outcome<Credentials> read_credentials(const Request& request) {
-  Fields in(request);
-  Credentials credentials{in.text("email", 3, 254), in.secret("password", 800)};
-  if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-  return credentials;
-}
+constexpr std::size_t kPasswordBytes = 800;
+constexpr std::size_t kCodeCharacters = 40;
 
 /// The rough name that the edge makes of User-Agent, which itself comes no further than there.
 std::string browser_of(const Request& request) {
@@ -38,7 +30,8 @@ Outcome<Response> me(Accounts& accounts, RenderTime& render_time, const Principa
   return json_response(200, {{"id", who.user_id},
                              {"email", who.email},
                              {"csrf_token", who.csrf_token},
-                             {"administrator", who.administrator},
+                             {"administrator", who.administrator || who.administrator_waits},
+                             {"second_factor", who.second_factor},
                              {"quota", {{"bytes", quota->bytes}, {"used_bytes", quota->used}}},
                              {"render_time", std::move(spent)}});
 }
@@ -47,9 +40,11 @@ Outcome<Response> me(Accounts& accounts, RenderTime& render_time, const Principa
 
 std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, const Front& front) {
   const auto sign_up = [&accounts](const Request& request, const Principal&) -> Outcome<Response> {
-    const auto given = read_credentials(request);
-    if (!given) return tl::unexpected(given.error());
-    const auto done = accounts.sign_up(given->email, given->password, request.address);
+    Fields in(request);
+    const std::string email = in.text("email", 3, 254);
+    const std::string password = in.secret("password", kPasswordBytes);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    const auto done = accounts.sign_up(email, password, request.address);
     if (!done) return tl::unexpected(done.error());
     return empty_response(202);
   };
@@ -63,10 +58,13 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, c
   };
   const auto sign_in = [&accounts, &render_time, &front](const Request& request,
                                                          const Principal&) -> Outcome<Response> {
-    const auto given = read_credentials(request);
-    if (!given) return tl::unexpected(given.error());
+    Fields in(request);
+    const std::string email = in.text("email", 3, 254);
+    const std::string password = in.secret("password", kPasswordBytes);
+    const std::string code = in.text_or("code", "", kCodeCharacters);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto opened =
-        accounts.sign_in(given->email, given->password, request.address, browser_of(request));
+        accounts.sign_in(email, password, code, request.address, browser_of(request));
     if (!opened) return tl::unexpected(opened.error());
     auto response = me(accounts, render_time, opened->principal);
     if (response) response->with("Set-Cookie", front.cookie(opened->token));
@@ -74,7 +72,7 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, c
   };
   const auto sign_out = [&accounts, &front](const Request& request,
                                             const Principal&) -> Outcome<Response> {
-    const auto done = accounts.sign_out(Front::token_of(request));
+    const auto done = accounts.sign_out(front.token_of(request));
     if (!done) return tl::unexpected(done.error());
     return empty_response(204).with("Set-Cookie", front.cookie(""));
   };

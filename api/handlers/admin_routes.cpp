@@ -46,14 +46,15 @@ nlohmann::ordered_json to_json(const AuditRecord& record) {
           {"details", nlohmann::ordered_json::parse(record.details)}};
 }
 
-Outcome<Response> list_users(Administration& administration, const Request& request) {
+Outcome<Response> list_users(Administration& administration, const Request& request,
+                             const Principal& who) {
   const auto limit = integer_in_query(request, "limit", 50, 1, 100);
   if (!limit) return tl::unexpected(limit.error());
   auto after = cursor_in_query(request);
   if (!after) return tl::unexpected(after.error());
   auto part = text_in_query(request, "query", 254);
   if (!part) return tl::unexpected(part.error());
-  const auto page = administration.users(*part, *std::move(after), *limit);
+  const auto page = administration.users(who, *part, *std::move(after), *limit);
   if (!page) return tl::unexpected(page.error());
   nlohmann::ordered_json body{{"items", nlohmann::ordered_json::array()}, {"next_cursor", nullptr}};
   for (const UserRecord& user : page->items) body["items"].push_back(to_json(user));
@@ -73,7 +74,8 @@ Outcome<Response> change_user(Administration& administration, const Request& req
   return json_response(200, to_json(*user));
 }
 
-Outcome<Response> list_audit(Administration& administration, const Request& request) {
+Outcome<Response> list_audit(Administration& administration, const Request& request,
+                             const Principal& who) {
   AuditFilter filter;
   const auto limit = integer_in_query(request, "limit", 50, 1, 200);
   if (!limit) return tl::unexpected(limit.error());
@@ -99,7 +101,7 @@ Outcome<Response> list_audit(Administration& administration, const Request& requ
     }
     filter.before_id = id;
   }
-  const auto page = administration.audit(std::move(filter));
+  const auto page = administration.audit(who, std::move(filter));
   if (!page) return tl::unexpected(page.error());
   nlohmann::ordered_json body{{"items", nlohmann::ordered_json::array()}, {"next_cursor", nullptr}};
   for (const AuditRecord& record : page->items) body["items"].push_back(to_json(record));
@@ -129,20 +131,20 @@ Outcome<Response> show_fleet(Administration& administration) {
 }  // namespace
 
 std::vector<Route> admin_routes(Administration& administration) {
-  const auto users = [&administration](const Request& request, const Principal&) {
-    return list_users(administration, request);
+  const auto users = [&administration](const Request& request, const Principal& who) {
+    return list_users(administration, request, who);
   };
   const auto user = [&administration](const Request& request,
-                                      const Principal&) -> Outcome<Response> {
-    const auto found = administration.user(request.parameter("user_id"));
+                                      const Principal& who) -> Outcome<Response> {
+    const auto found = administration.user(who, request.parameter("user_id"));
     if (!found) return tl::unexpected(found.error());
     return json_response(200, to_json(*found));
   };
   const auto change = [&administration](const Request& request, const Principal& who) {
     return change_user(administration, request, who);
   };
-  const auto audit = [&administration](const Request& request, const Principal&) {
-    return list_audit(administration, request);
+  const auto audit = [&administration](const Request& request, const Principal& who) {
+    return list_audit(administration, request, who);
   };
   const auto fleet = [&administration](const Request&, const Principal&) {
     return show_fleet(administration);

@@ -15,7 +15,6 @@ namespace diaphane::api {
 namespace {
 
 constexpr std::size_t kMaxResponseBytes = 1024 * 1024;
-constexpr std::string_view kCookie = "diaphane";
 
 std::string request_id_of(const Head& head) {
   const std::string_view given = head.header("x-request-id");
@@ -40,7 +39,8 @@ bool is_header_text(const std::string& text) {
 Front::Front(Accounts& accounts, Options options)
     : accounts_(accounts),
       options_(std::move(options)),
-      secure_(options_.public_url.starts_with("https://")) {}
+      secure_(options_.public_url.starts_with("https://")),
+      cookie_name_(secure_ ? "__Host-diaphane" : "diaphane") {}
 
 void Front::add(std::vector<Route> routes) {
   std::move(routes.begin(), routes.end(), std::back_inserter(routes_));
@@ -151,6 +151,10 @@ Outcome<Principal> Front::identify(const Route& route, const Request& request) c
       !equal_in_constant_time(request.header("x-csrf-token"), principal->csrf_token)) {
     return refuse(ProblemKind::kCsrf, "X-CSRF-Token is missing or wrong; load the page anew.");
   }
+  if (route.access == Access::kAdministrator && principal->administrator_waits) {
+    return refuse(ProblemKind::kSecondFactorRequired,
+                  "An administrator needs a second factor. Set it up in your account first.");
+  }
   if (route.access == Access::kAdministrator && !principal->administrator) {
     return refuse(ProblemKind::kForbidden, "Only an administrator may do this.");
   }
@@ -217,19 +221,19 @@ Response Front::finish(Response response, const Request& request) const {
 
 std::string Front::cookie(const std::string& token) const {
   const auto age = token.empty() ? std::chrono::seconds(0) : accounts_.session_life();
-  return std::string(kCookie) + "=" + token + "; Path=/; Max-Age=" + std::to_string(age.count()) +
+  return cookie_name_ + "=" + token + "; Path=/; Max-Age=" + std::to_string(age.count()) +
          "; HttpOnly; SameSite=Strict" + (secure_ ? "; Secure" : "");
 }
 
-std::string Front::token_of(const Head& head) {
+std::string Front::token_of(const Head& head) const {
   std::string_view rest = head.header("cookie");
   while (!rest.empty()) {
     const std::size_t end = rest.find(';');
     std::string_view pair = rest.substr(0, end);
     rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
     while (pair.starts_with(' ')) pair.remove_prefix(1);
-    if (pair.starts_with(kCookie) && pair.substr(kCookie.size()).starts_with('=')) {
-      return std::string(pair.substr(kCookie.size() + 1));
+    if (pair.starts_with(cookie_name_) && pair.substr(cookie_name_.size()).starts_with('=')) {
+      return std::string(pair.substr(cookie_name_.size() + 1));
     }
   }
   return {};

@@ -72,9 +72,10 @@ class Front {
   /// The answer when something other than a handler refuses (no room, a broken body).
   Response refusal(const Problem& problem, const Request& request) const;
 
-  /// `diaphane=...` and its attributes; an empty token removes it.
+  /// `diaphane=...` and its attributes, under https `__Host-diaphane=...`, which no other host and
+  /// no plain connection can set; an empty token removes it.
   std::string cookie(const std::string& token) const;
-  static std::string token_of(const Head& head);
+  std::string token_of(const Head& head) const;
 
  private:
   Outcome<Principal> identify(const Route& route, const Request& request) const;
@@ -84,6 +85,7 @@ class Front {
   Accounts& accounts_;
   Options options_;
   bool secure_;
+  std::string cookie_name_;
   std::vector<Route> routes_;
 };
 

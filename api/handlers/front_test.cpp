@@ -8,6 +8,7 @@
 #include "api/handlers/request_fields.h"
 #include "api/handlers/target.h"
 #include "api/service/fake_account_store.h"
+#include "api/service/fake_second_factor_store.h"
 #include "api/service/secrets.h"
 
 namespace diaphane::api {
@@ -28,6 +29,7 @@ class FrontTest : public testing::Test {
     };
     front.add({{"GET", "/v1/things/{id}", "getThing", Access::kPerson, answer, {"limit"}},
                {"POST", "/v1/things", "makeThing", Access::kPersonOrOperator, answer, {}},
+               {"GET", "/v1/ruled", "rule", Access::kAdministrator, answer, {}},
                {"POST", "/v1/open", "open", Access::kAnyone, answer, {}, 100}});
     WebSession session{blake2b(kToken), "user", kCsrf, clock.wall(),
                        clock.wall() + std::chrono::hours(24 * 14)};
@@ -52,11 +54,14 @@ class FrontTest : public testing::Test {
   }
 
   const std::string kToken = std::string(64, 'a'), kCsrf = std::string(64, 'c');
-  const std::string kCookie = "other=1; diaphane=" + kToken;
+  const std::string kCookie = "other=1; __Host-diaphane=" + kToken;
   FakeAccountStore store;
   ManualClock clock;
   PasswordHasher hasher{1};
-  Accounts accounts{store, hasher, clock, {.public_url = "https://see.example"}};
+  FakeSecondFactorStore factors;
+  const SealingKey key = SealingKey::of_hex(std::string(64, '1')).value();
+  CodeCheck codes{factors, store, key, clock, {}};
+  Accounts accounts{store, hasher, codes, clock, {.public_url = "https://see.example"}};
   Front front{accounts, {.public_url = "https://see.example", .sample_token = "s3cret"}};
   int served = 0;
   Principal asked_by;
@@ -65,8 +70,9 @@ class FrontTest : public testing::Test {
 
 TEST_F(FrontTest, NobodyGetsToAHandlerWithoutACookie) {
   EXPECT_EQ(ask({"GET", "/v1/things/1", {}}).status, 401);
-  EXPECT_EQ(ask({"GET", "/v1/things/1", {{"cookie", "diaphane=" + std::string(64, 'b')}}}).status,
-            401);
+  EXPECT_EQ(
+      ask({"GET", "/v1/things/1", {{"cookie", "__Host-diaphane=" + std::string(64, 'b')}}}).status,
+      401);
   EXPECT_EQ(served, 0);
   EXPECT_EQ(ask({"GET", "/v1/things/1", {{"cookie", kCookie}}}).status, 200);
   EXPECT_EQ(asked_by.user_id, "user");
@@ -157,6 +163,27 @@ TEST_F(FrontTest, TheCookieIsNotForScriptsNorForOtherPages) {
     EXPECT_THAT(cookie, testing::HasSubstr(part));
   }
   EXPECT_THAT(front.cookie(""), testing::HasSubstr("Max-Age=0"));
+  EXPECT_THAT(cookie, testing::StartsWith("__Host-diaphane=" + kToken));
+  EXPECT_THAT(cookie, testing::Not(testing::HasSubstr("Domain")));
+}
+
+TEST_F(FrontTest, UnderHttpsACookieThatAnotherHostCouldHaveSetIsNotLookedAt) {
+  EXPECT_EQ(ask({"GET", "/v1/things/1", {{"cookie", "diaphane=" + kToken}}}).status, 401);
+  const Front plain(accounts, {.public_url = "http://see.example"});
+  EXPECT_THAT(plain.cookie(kToken), testing::StartsWith("diaphane=" + kToken));
+  EXPECT_EQ(plain.token_of({"GET", "/", {{"cookie", "diaphane=" + kToken}}}), kToken);
+}
+
+TEST_F(FrontTest, AnAdministratorWithoutASecondFactorIsToldToSetItUp) {
+  const Head head{"GET", "/v1/ruled", {{"cookie", kCookie}}};
+  EXPECT_EQ(kind(ask(head)), "forbidden");
+  store.administrator = true;
+  EXPECT_EQ(kind(ask(head)), "second-factor-required");
+  EXPECT_EQ(ask({"GET", "/v1/things/1", {{"cookie", kCookie}}}).status, 200);
+  EXPECT_FALSE(asked_by.administrator);
+  store.second_factor = true;
+  EXPECT_EQ(ask(head).status, 200);
+  EXPECT_TRUE(asked_by.administrator);
 }
 
 TEST(Target, PathsAreTakenLetterForLetter) {

@@ -14,6 +14,10 @@ ProblemForm form_of(ProblemKind kind) {
       return {"unauthenticated", 401, "Not signed in"};
     case ProblemKind::kWrongCredentials:
       return {"wrong-credentials", 401, "Wrong address or password"};
+    case ProblemKind::kCodeNeeded:
+      return {"code-needed", 401, "A code is needed, too"};
+    case ProblemKind::kWrongCode:
+      return {"wrong-code", 401, "Wrong code"};
     case ProblemKind::kUnverified:
       return {"unverified", 403, "Address not confirmed"};
     case ProblemKind::kDisabled:
@@ -24,6 +28,8 @@ ProblemForm form_of(ProblemKind kind) {
       return {"origin", 403, "From another page"};
     case ProblemKind::kForbidden:
       return {"forbidden", 403, "Not allowed"};
+    case ProblemKind::kSecondFactorRequired:
+      return {"second-factor-required", 403, "A second factor is needed first"};
     case ProblemKind::kNotFound:
       return {"not-found", 404, "Not found"};
     case ProblemKind::kMethodNotAllowed:

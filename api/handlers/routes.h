@@ -15,6 +15,7 @@
 #include "api/service/recordings.h"
 #include "api/service/render_time.h"
 #include "api/service/reports.h"
+#include "api/service/second_factor.h"
 #include "api/service/sessions.h"
 #include "api/service/sharing.h"
 #include "api/service/thumbnails.h"
@@ -26,6 +27,7 @@ namespace diaphane::api {
 
 std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, const Front& front);
 std::vector<Route> account_change_routes(AccountChanges& changes, const Front& front);
+std::vector<Route> second_factor_routes(SecondFactors& factors);
 std::vector<Route> admin_routes(Administration& administration);
 std::vector<Route> privacy_routes(Exports& exports, AccountDeletion& deletion, const Front& front);
 std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails);

@@ -120,7 +120,9 @@ Result<std::optional<SignedIn>> AccountRepository::find_session(const std::strin
         SELECT s.user_id, s.csrf_token, u.email,
                (extract(epoch FROM s.created_at) * 1000000)::bigint,
                (extract(epoch FROM s.expires_at) * 1000000)::bigint, s.id, s.browser,
-               u.is_administrator, (extract(epoch FROM s.used_at) * 1000000)::bigint
+               u.is_administrator, (extract(epoch FROM s.used_at) * 1000000)::bigint,
+               EXISTS (SELECT FROM second_factors f
+                        WHERE f.user_id = u.id AND f.confirmed_at IS NOT NULL)
           FROM web_sessions s JOIN users u ON u.id = s.user_id
          WHERE s.token_hash = $1 AND s.expires_at > to_timestamp($2::bigint / 1e6)
            AND u.verified_at IS NOT NULL AND u.disabled_at IS NULL)sql",
@@ -132,7 +134,8 @@ Result<std::optional<SignedIn>> AccountRepository::find_session(const std::strin
                      row[5].as<std::string>(), row[6].as<std::string>()},
                     row[2].as<std::string>(),
                     row[7].as<bool>(),
-                    from_us(row[8].as<std::int64_t>())};
+                    from_us(row[8].as<std::int64_t>()),
+                    row[9].as<bool>()};
   });
 }
 

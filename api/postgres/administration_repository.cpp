@@ -137,14 +137,23 @@ Result<bool> AdministrationRepository::set_administrator(const std::string& emai
   });
 }
 
-Result<std::vector<std::string>> AdministrationRepository::administrators() {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<std::string>> {
-    std::vector<std::string> emails;
-    for (const pqxx::row& row :
-         transaction.exec("SELECT email FROM users WHERE is_administrator ORDER BY email")) {
-      emails.push_back(row[0].as<std::string>());
+Result<std::vector<Administrator>> AdministrationRepository::administrators() {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<Administrator>> {
+    std::vector<Administrator> all;
+    for (const pqxx::row& row : transaction.exec(R"sql(
+             SELECT u.email, f.confirmed_at IS NOT NULL
+               FROM users u LEFT JOIN second_factors f ON f.user_id = u.id
+              WHERE u.is_administrator ORDER BY u.email)sql")) {
+      all.push_back({row[0].as<std::string>(), row[1].as<bool>()});
     }
-    return emails;
+    return all;
+  });
+}
+
+Result<void> AdministrationRepository::note(const AuditEntry& entry, Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    note_in_audit_log(transaction, entry, now);
+    return {};
   });
 }
 

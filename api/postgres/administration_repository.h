@@ -17,7 +17,8 @@ class AdministrationRepository final : public AdministrationStore {
   Result<bool> change(const std::string& administrator_id, const std::string& id,
                       const UserChange& change, Time now) override;
   Result<bool> set_administrator(const std::string& email_key, bool given, Time now) override;
-  Result<std::vector<std::string>> administrators() override;
+  Result<std::vector<Administrator>> administrators() override;
+  Result<void> note(const AuditEntry& entry, Time now) override;
   Result<std::vector<AuditRecord>> audit(const AuditFilter& filter) override;
   Result<IngestQueue> ingest_queue() override;
 

@@ -23,7 +23,7 @@ Result<void> ReportRepository::report(const Report& report, const std::string& r
   });
 }
 
-Result<std::vector<Report>> ReportRepository::open(int limit) {
+Result<std::vector<Report>> ReportRepository::open(int limit, const AuditEntry& entry, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<Report>> {
     // What has become private since is none of an administrator's business: not even its title.
     const pqxx::result rows = transaction.exec_params(
@@ -40,6 +40,7 @@ Result<std::vector<Report>> ReportRepository::open(int limit) {
                        row[3].as<std::string>(), row[4].as<std::string>(), row[5].as<bool>(),
                        from_us(row[6].as<std::int64_t>())});
     }
+    note_in_audit_log(transaction, entry, now);
     return found;
   });
 }

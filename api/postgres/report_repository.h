@@ -11,7 +11,7 @@ class ReportRepository final : public ReportStore {
   explicit ReportRepository(Database& database) : database_(database) {}
 
   Result<void> report(const Report& report, const std::string& reporter_id) override;
-  Result<std::vector<Report>> open(int limit) override;
+  Result<std::vector<Report>> open(int limit, const AuditEntry& entry, Time now) override;
   Result<void> close(const std::string& report_id, const AuditEntry& entry, Time now) override;
   Result<void> take_down(const std::string& data_set_id, const std::string& reason,
                          const AuditEntry& entry, Time now) override;

@@ -66,6 +66,58 @@ Mail address_changed(const std::string& to) {
           "there.\n\nIf it was not you, answer whoever runs this Diaphane.\n"};
 }
 
+Mail second_factor_added(const std::string& to, const std::string& account) {
+  return {
+      to, "Signing in to Diaphane asks for a code now",
+      "A second factor was set up for your Diaphane account: signing in asks for a code of your "
+      "device from now on, and you were signed out everywhere else.\n\nKeep the recovery codes "
+      "where you find them without that device.\n\nIf it was not you, answer whoever runs this "
+      "Diaphane, and look here:\n\n" +
+          account + "\n"};
+}
+
+Mail second_factor_removed(const std::string& to, const std::string& account) {
+  return {
+      to, "Signing in to Diaphane asks for no code any more",
+      "The second factor of your Diaphane account was removed: the password alone is enough from "
+      "now on.\n\nIf it was not you, change your password at once, and set it up again:\n\n" +
+          account + "\n"};
+}
+
+Mail second_factor_taken_off(const std::string& to) {
+  return {
+      to, "Signing in to Diaphane asks for no code any more",
+      "Whoever runs this Diaphane removed the second factor of your account: the password alone "
+      "is enough until you set it up again.\n\nIf you did not ask for that, answer whoever runs "
+      "this Diaphane at once.\n"};
+}
+
+Mail recovery_code_used(const std::string& to, const std::string& account) {
+  return {
+      to, "A recovery code of your Diaphane account was used",
+      "One of your recovery codes was used just now, in place of a code of your device. It works "
+      "no more; how many are left is said here, where you can make new ones:\n\n" +
+          account + "\n\nIf it was not you, change your password at once.\n"};
+}
+
+Mail code_reused(const std::string& to, const std::string& account) {
+  return {
+      to, "A code for your Diaphane account was given twice",
+      "A code of your device was given a second time just now, with your password, and was "
+      "refused: each works once.\n\nIf it was you, nothing is wrong: wait for the next code. If it "
+      "was not, somebody has seen your password and your device; change the password at "
+      "once:\n\n" +
+          account + "\n"};
+}
+
+Mail recovery_codes_renewed(const std::string& to, const std::string& account) {
+  return {
+      to, "Your Diaphane account has new recovery codes",
+      "New recovery codes were made for your Diaphane account; the old ones work no more.\n\nIf "
+      "it was not you, change your password at once:\n\n" +
+          account + "\n"};
+}
+
 Mail account_deleted(const std::string& to) {
   return {to, "Your Diaphane account was deleted",
           "Your Diaphane account was deleted, with your scans, pictures, presets and recordings. "

@@ -52,6 +52,7 @@ struct SignedIn {
   std::string email;
   bool administrator = false;
   Time used_at = {};
+  bool second_factor = false;  ///< the account has one
 };
 
 struct Quota {

@@ -15,8 +15,9 @@ constexpr auto kUseNoted = std::chrono::minutes(10);
 
 }  // namespace
 
-Accounts::Accounts(AccountStore& store, PasswordHasher& hasher, const Clock& clock, Options options)
-    : store_(store), hasher_(hasher), clock_(clock), options_(std::move(options)) {}
+Accounts::Accounts(AccountStore& store, PasswordHasher& hasher, CodeCheck& codes,
+                   const Clock& clock, Options options)
+    : store_(store), hasher_(hasher), codes_(codes), clock_(clock), options_(std::move(options)) {}
 
 Outcome<void> Accounts::sign_up(const std::string& email, const std::string& password,
                                 const std::string& address) {
@@ -93,8 +94,24 @@ Outcome<bool> Accounts::is_right(const std::optional<Account>& account,
   return true;
 }
 
+Outcome<void> Accounts::check_code(const Account& account, const std::string& code) {
+  const auto needed = codes_.needed(account.id);
+  if (!needed) return tl::unexpected(needed.error());
+  if (!*needed) return {};
+  if (code.empty()) {
+    return refuse(ProblemKind::kCodeNeeded, "Give the code that your device shows now.");
+  }
+  const auto right = codes_.take(account.id, account.email, code);
+  if (!right) return tl::unexpected(right.error());
+  if (!*right) {
+    return refuse(ProblemKind::kWrongCode,
+                  "This code is wrong, or was used already. Try the next one.");
+  }
+  return {};
+}
+
 Outcome<Accounts::Opened> Accounts::sign_in(const std::string& email, const std::string& password,
-                                            const std::string& address,
+                                            const std::string& code, const std::string& address,
                                             const std::string& browser) {
   const auto now = clock_.wall();
   const std::string key = email_key(email);
@@ -113,6 +130,7 @@ Outcome<Accounts::Opened> Accounts::sign_in(const std::string& email, const std:
   if ((*account)->disabled) {
     return refuse(ProblemKind::kDisabled, "An administrator has switched this account off.");
   }
+  if (auto has = check_code(**account, code); !has) return tl::unexpected(has.error());
 
   Opened opened;
   opened.token = random_hex(32);
@@ -151,9 +169,9 @@ Outcome<Principal> Accounts::authenticate(const std::string& token) {
   if (!found) return refuse(found.error());
   if (!*found) return refused();
   const WebSession& session = (*found)->session;
-  Principal principal{session.user_id,    false, (*found)->email,
-                      session.csrf_token, false, (*found)->administrator,
-                      session.id};
+  const bool role = (*found)->administrator, factor = (*found)->second_factor;
+  Principal principal{session.user_id, false,      (*found)->email, session.csrf_token, false,
+                      role && factor,  session.id, factor,          role && !factor};
   if (now - (*found)->used_at > kUseNoted) {
     if (auto done = store_.touch_session(hash, now); !done) return refuse(done.error());
   }

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "api/service/account_store.h"
+#include "api/service/code_check.h"
 #include "api/service/password.h"
 #include "api/service/problem.h"
 #include "common/clock.h"
@@ -19,8 +20,11 @@ struct Principal {
   std::string email;
   std::string csrf_token;       ///< of the web session
   bool renewed = false;         ///< the session was extended: give the cookie its new age
-  bool administrator = false;   ///< beside being a person
+  bool administrator = false;   ///< beside being a person: the role, and a second factor
   std::string session_id = {};  ///< of the web session, as its person knows it
+  bool second_factor = false;   ///< the account has one
+  /// Has an administrator's role and no second factor: `administrator` is false until it is set up.
+  bool administrator_waits = false;
 };
 
 /// Signing up, in and out. Thread-safe.
@@ -43,7 +47,8 @@ class Accounts {
     Principal principal;
   };
 
-  Accounts(AccountStore& store, PasswordHasher& hasher, const Clock& clock, Options options);
+  Accounts(AccountStore& store, PasswordHasher& hasher, CodeCheck& codes, const Clock& clock,
+           Options options);
 
   /// kInvalid for what can be said without knowing any account; else success, whoever has an
   /// account. `address` is the peer's, for the limit.
@@ -51,9 +56,12 @@ class Accounts {
                         const std::string& address);
   /// kLinkExpired when the token is unknown, used or too old.
   Outcome<void> verify(const std::string& token);
-  /// kWrongCredentials, kUnverified, kDisabled, kTooManyAttempts. `browser` is a rough name.
+  /// kWrongCredentials, kUnverified, kDisabled, kTooManyAttempts; with the right password of an
+  /// account that has a second factor, kCodeNeeded without a code and kWrongCode with a wrong one.
+  /// `browser` is a rough name.
   Outcome<Opened> sign_in(const std::string& email, const std::string& password,
-                          const std::string& address, const std::string& browser = "");
+                          const std::string& code, const std::string& address,
+                          const std::string& browser = "");
   /// The password once more, before what cannot be undone; a wrong one is a fault of `field`, and
   /// counts as a wrong sign-in does.
   Outcome<void> confirm_password(const Principal& who, const std::string& field,
@@ -68,6 +76,8 @@ class Accounts {
   void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
 
  private:
+  /// kCodeNeeded, kWrongCode, or nothing where no code is needed or the right one was given.
+  Outcome<void> check_code(const Account& account, const std::string& code);
   /// Whether the password is right; nothing that a caller says may depend on whether `account` is
   /// there.
   Outcome<bool> is_right(const std::optional<Account>& account, const std::string& email_key,
@@ -75,6 +85,7 @@ class Accounts {
 
   AccountStore& store_;
   PasswordHasher& hasher_;
+  CodeCheck& codes_;
   const Clock& clock_;
   Options options_;
   std::function<void()> wake_mailer_ = [] {};

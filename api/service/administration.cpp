@@ -10,9 +10,25 @@ tl::unexpected<Problem> no_such_account() {
   return refuse(ProblemKind::kNotFound, "There is no such account.");
 }
 
+/// Of a page, as a detail of the audit log.
+template <typename Page>
+std::int64_t count(const Page& page) {
+  return static_cast<std::int64_t>(page.items.size());
+}
+
 }  // namespace
 
-Outcome<Administration::Users> Administration::users(const std::string& part,
+Outcome<void> Administration::note_look(const Principal& who, std::string action,
+                                        std::string subject, std::string subject_id,
+                                        std::vector<AuditDetail> details) {
+  const auto done = store_.note({AuditActor::kAdministrator, who.user_id, std::move(action),
+                                 std::move(subject), std::move(subject_id), std::move(details)},
+                                clock_.wall());
+  if (!done) return refuse(done.error());
+  return {};
+}
+
+Outcome<Administration::Users> Administration::users(const Principal& who, const std::string& part,
                                                      std::optional<Cursor> after, int limit) {
   auto found = store_.users(part, after, limit + 1, clock_.wall());
   if (!found) return refuse(found.error());
@@ -25,10 +41,23 @@ Outcome<Administration::Users> Administration::users(const std::string& part,
             .count(),
         last.id};
   }
+  if (auto noted = note_look(who, "accounts.looked-at", "account", "", {{"items", count(page)}});
+      !noted) {
+    return tl::unexpected(noted.error());
+  }
   return page;
 }
 
-Outcome<UserRecord> Administration::user(const std::string& id) {
+Outcome<UserRecord> Administration::user(const Principal& who, const std::string& id) {
+  auto found = find(id);
+  if (!found) return found;
+  if (auto noted = note_look(who, "account.looked-at", "account", id, {}); !noted) {
+    return tl::unexpected(noted.error());
+  }
+  return found;
+}
+
+Outcome<UserRecord> Administration::find(const std::string& id) {
   if (!is_id(id)) return no_such_account();
   auto found = store_.user(id, clock_.wall());
   if (!found) return refuse(found.error());
@@ -48,10 +77,10 @@ Outcome<UserRecord> Administration::change(const Principal& who, const std::stri
   if (change.disabled.value_or(false) && !placement_.end_all_by(id)) {
     log::warning("pictures of a disabled account not ended", {{"user", id}});
   }
-  return user(id);
+  return find(id);
 }
 
-Outcome<Administration::AuditPage> Administration::audit(AuditFilter filter) {
+Outcome<Administration::AuditPage> Administration::audit(const Principal& who, AuditFilter filter) {
   const int limit = filter.limit++;
   auto found = store_.audit(filter);
   if (!found) return refuse(found.error());
@@ -59,6 +88,12 @@ Outcome<Administration::AuditPage> Administration::audit(AuditFilter filter) {
   if (static_cast<int>(page.items.size()) > limit) {
     page.items.pop_back();
     page.next = page.items.back().id;
+  }
+  std::vector<AuditDetail> details{{"items", count(page)}};
+  if (!filter.account_id.empty()) details.emplace_back("account", filter.account_id);
+  if (auto noted = note_look(who, "audit-log.looked-at", "audit_log", "", std::move(details));
+      !noted) {
+    return tl::unexpected(noted.error());
   }
   return page;
 }

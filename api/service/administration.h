@@ -29,6 +29,12 @@ struct UserChange {
   std::optional<bool> disabled;
 };
 
+/// Somebody who has the administrator's role.
+struct Administrator {
+  std::string email;
+  bool second_factor = false;  ///< without one the role opens nothing
+};
+
 struct IngestQueue {
   int queued = 0, building = 0;
 };
@@ -48,13 +54,16 @@ class AdministrationStore {
                               const UserChange& change, Time now) = 0;
   /// By a command on the machine. False: no such verified account.
   virtual Result<bool> set_administrator(const std::string& email_key, bool given, Time now) = 0;
-  virtual Result<std::vector<std::string>> administrators() = 0;
+  virtual Result<std::vector<Administrator>> administrators() = 0;
+  /// An entry of the audit log about nothing but itself: that an administrator looked.
+  virtual Result<void> note(const AuditEntry& entry, Time now) = 0;
   /// Newest first.
   virtual Result<std::vector<AuditRecord>> audit(const AuditFilter& filter) = 0;
   virtual Result<IngestQueue> ingest_queue() = 0;
 };
 
-/// What administrators see and do. Who may is checked before (handlers/front.h). Thread-safe.
+/// What administrators see and do. Who may is checked before (handlers/front.h). What is looked at
+/// of people is in the audit log before it is given out. Thread-safe.
 class Administration {
  public:
   struct Users {
@@ -74,14 +83,20 @@ class Administration {
                  const Clock& clock)
       : store_(store), placement_(placement), workers_(workers), clock_(clock) {}
 
-  Outcome<Users> users(const std::string& part, std::optional<Cursor> after, int limit);
-  Outcome<UserRecord> user(const std::string& id);
+  Outcome<Users> users(const Principal& who, const std::string& part, std::optional<Cursor> after,
+                       int limit);
+  Outcome<UserRecord> user(const Principal& who, const std::string& id);
   /// kNotFound; kConflict: oneself cannot be disabled.
   Outcome<UserRecord> change(const Principal& who, const std::string& id, const UserChange& change);
-  Outcome<AuditPage> audit(AuditFilter filter);
+  Outcome<AuditPage> audit(const Principal& who, AuditFilter filter);
   Outcome<Fleet> fleet();
 
  private:
+  Outcome<UserRecord> find(const std::string& id);
+  /// `subject_id` may be empty: of many.
+  Outcome<void> note_look(const Principal& who, std::string action, std::string subject,
+                          std::string subject_id, std::vector<AuditDetail> details);
+
   AdministrationStore& store_;
   Placement& placement_;
   Workers& workers_;

@@ -8,8 +8,8 @@
 namespace diaphane::api {
 namespace {
 
-/// A year, or "123!", behind a common word is guessed next.
-constexpr std::size_t kFewSigns = 5;
+/// A year, "123!" or "123456" behind a common word is guessed next.
+constexpr std::size_t kFewSigns = 6;
 constexpr std::size_t kShortestRepeated = 4;
 
 std::set<std::string_view> read_list(std::string_view text) {
@@ -50,9 +50,14 @@ bool repeats(std::string_view text, std::size_t unit) {
   return true;
 }
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Letters or digits in their order, 0 after 9.
 bool counts_by(std::string_view text, int step) {
   for (std::size_t i = 1; i < text.size(); ++i) {
-    if (text[i] - text[i - 1] != step) return false;
+    const int apart = text[i] - text[i - 1];
+    const bool wraps = is_digit(text[i]) && is_digit(text[i - 1]) && apart == -9 * step;
+    if (apart != step && !wraps) return false;
   }
   return true;
 }

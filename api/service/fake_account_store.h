@@ -13,9 +13,10 @@ namespace diaphane::api {
 class FakeAccountStore final : public AccountStore {
  public:
   bool away = false;
-  std::map<std::string, Account> accounts;     ///< by e-mail key
-  std::map<std::string, std::string> tokens;   ///< hash to e-mail key
-  std::map<std::string, WebSession> sessions;  ///< by token hash
+  bool administrator = false, second_factor = false;  ///< of whoever is signed in
+  std::map<std::string, Account> accounts;            ///< by e-mail key
+  std::map<std::string, std::string> tokens;          ///< hash to e-mail key
+  std::map<std::string, WebSession> sessions;         ///< by token hash
   std::vector<std::pair<std::string, Time>> attempts;
   std::vector<Mail> mails;
   int extended = 0;
@@ -62,7 +63,7 @@ class FakeAccountStore final : public AccountStore {
     if (away) return gone();
     const auto found = sessions.find(hash);
     if (found == sessions.end() || found->second.expires_at <= now) return std::nullopt;
-    return SignedIn{found->second, "person@example.org", false, now};
+    return SignedIn{found->second, "person@example.org", administrator, now, second_factor};
   }
   Result<void> extend_session(const std::string& hash, Time expires_at) override {
     sessions.at(hash).expires_at = expires_at;

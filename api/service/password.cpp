@@ -38,7 +38,7 @@ std::string encode(std::string_view password) {
 
 std::optional<std::string> fault_of_password(std::string_view password, std::string_view email) {
   const std::size_t length = characters_in(password);
-  if (length < 10) return "A password needs at least 10 characters.";
+  if (length < 12) return "A password needs at least 12 characters.";
   if (length > 200) return "A password has at most 200 characters.";
   if (email_key(password) == email_key(email)) return "The password must not be the address.";
   return why_easily_guessed(password, email_key(email.substr(0, email.find('@'))));

@@ -11,7 +11,7 @@
 
 namespace diaphane::api {
 
-/// What is wrong with a new password, or nothing. 10 to 200 characters, not the e-mail address, and
+/// What is wrong with a new password, or nothing. 12 to 200 characters, not the e-mail address, and
 /// nothing that is guessed first (common_passwords.h); no rule of composition (NIST SP 800-63B,
 /// 5.1.1.2).
 std::optional<std::string> fault_of_password(std::string_view password, std::string_view email);

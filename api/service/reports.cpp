@@ -47,8 +47,8 @@ Outcome<void> Reports::report(const Principal& who, const std::string& data_set_
   return {};
 }
 
-Outcome<std::vector<Report>> Reports::open(const Principal&) {
-  auto found = store_.open(200);
+Outcome<std::vector<Report>> Reports::open(const Principal& who) {
+  auto found = store_.open(200, entry_of(who, "reports.looked-at", "report", ""), clock_.wall());
   if (!found) return refuse(found.error());
   return *std::move(found);
 }

@@ -33,7 +33,7 @@ class ReportStore {
   /// A second open one of the same person replaces what the first said.
   virtual Result<void> report(const Report& report, const std::string& reporter_id) = 0;
   /// Those that nobody has dealt with, oldest first.
-  virtual Result<std::vector<Report>> open(int limit) = 0;
+  virtual Result<std::vector<Report>> open(int limit, const AuditEntry& entry, Time now) = 0;
   /// kNotFound.
   virtual Result<void> close(const std::string& report_id, const AuditEntry& entry, Time now) = 0;
   /// Private, shared with nobody, no links; closes its reports.
@@ -53,6 +53,7 @@ class Reports {
   /// At most 20 of a person in a day.
   Outcome<void> report(const Principal& who, const std::string& data_set_id,
                        const std::string& reason, const std::string& words);
+  /// That they were looked at is in the audit log.
   Outcome<std::vector<Report>> open(const Principal& who);
   Outcome<void> close(const Principal& who, const std::string& report_id);
   Outcome<void> take_down(const Principal& who, const std::string& data_set_id,

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <stdexcept>
+#include <vector>
 
 namespace diaphane::api {
 namespace {
@@ -15,6 +17,13 @@ std::array<unsigned char, 32> blake2b_raw(std::string_view text) {
   crypto_generichash(raw.data(), raw.size(), reinterpret_cast<const unsigned char*>(text.data()),
                      text.size(), nullptr, 0);
   return raw;
+}
+
+constexpr std::size_t kNonceBytes = crypto_aead_xchacha20poly1305_ietf_NPUBBYTES;
+constexpr std::size_t kTagBytes = crypto_aead_xchacha20poly1305_ietf_ABYTES;
+
+const unsigned char* bytes_of(std::string_view text) {
+  return reinterpret_cast<const unsigned char*>(text.data());
 }
 
 std::string hex(const unsigned char* data, std::size_t size) {
@@ -53,6 +62,47 @@ std::string id_from(std::string_view text) {
   const std::string all = hex(raw.data(), 16);
   return all.substr(0, 8) + '-' + all.substr(8, 4) + '-' + all.substr(12, 4) + '-' +
          all.substr(16, 4) + '-' + all.substr(20);
+}
+
+Result<SealingKey> SealingKey::read(const std::string& path) {
+  std::ifstream file(path);
+  std::string text;
+  if (!(file >> text)) return fail(ErrorCode::kInvalid, "no such file, or nothing in it");
+  return of_hex(text);
+}
+
+Result<SealingKey> SealingKey::of_hex(std::string_view text) {
+  SealingKey key;
+  static_assert(crypto_aead_xchacha20poly1305_ietf_KEYBYTES == 32);
+  if (!is_token(text)) return fail(ErrorCode::kInvalid, "a key is 64 hexadecimal digits");
+  if (sodium_hex2bin(key.key_.data(), key.key_.size(), text.data(), text.size(), nullptr, nullptr,
+                     nullptr) != 0) {
+    return fail(ErrorCode::kInvalid, "a key is 64 hexadecimal digits");
+  }
+  return key;
+}
+
+std::string SealingKey::seal(std::string_view plain, std::string_view whose) const {
+  std::vector<unsigned char> sealed(kNonceBytes + plain.size() + kTagBytes);
+  randombytes_buf(sealed.data(), kNonceBytes);
+  crypto_aead_xchacha20poly1305_ietf_encrypt(sealed.data() + kNonceBytes, nullptr, bytes_of(plain),
+                                             plain.size(), bytes_of(whose), whose.size(), nullptr,
+                                             sealed.data(), key_.data());
+  return hex(sealed.data(), sealed.size());
+}
+
+std::optional<std::string> SealingKey::open(std::string_view sealed, std::string_view whose) const {
+  std::vector<unsigned char> raw(sealed.size() / 2);
+  std::size_t size = 0;
+  const bool is_hex = sodium_hex2bin(raw.data(), raw.size(), sealed.data(), sealed.size(), nullptr,
+                                     &size, nullptr) == 0;
+  if (!is_hex || size < kNonceBytes + kTagBytes) return std::nullopt;
+  std::string plain(size - kNonceBytes - kTagBytes, '\0');
+  const int done = crypto_aead_xchacha20poly1305_ietf_decrypt(
+      reinterpret_cast<unsigned char*>(plain.data()), nullptr, nullptr, raw.data() + kNonceBytes,
+      size - kNonceBytes, bytes_of(whose), whose.size(), raw.data(), key_.data());
+  if (done != 0) return std::nullopt;
+  return plain;
 }
 
 std::string digest(DigestKind kind, std::string_view bytes) {

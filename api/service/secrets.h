@@ -1,7 +1,11 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "common/result.h"
 
 /// The little cryptography that accounts and uploads need, over libsodium and libcrypto.
 namespace diaphane::api {
@@ -18,6 +22,27 @@ bool is_token(std::string_view text);
 
 /// A UUID that is the same for the same text: for things whose creation is idempotent by a key.
 std::string id_from(std::string_view text);
+
+/// Keeps what the database holds and must give back (not only compare) unreadable without a file of
+/// ours: XChaCha20-Poly1305.
+class SealingKey {
+ public:
+  /// From a file with 64 hexadecimal digits. kInvalid: there is no such file, or something else in
+  /// it.
+  static Result<SealingKey> read(const std::string& path);
+  /// kInvalid: not 64 hexadecimal digits.
+  static Result<SealingKey> of_hex(std::string_view text);
+
+  /// In hexadecimal. `whose` is no secret; it must be the same when opened, so that nobody's sealed
+  /// text serves somebody else.
+  std::string seal(std::string_view plain, std::string_view whose) const;
+  /// Nothing: sealed with another key, for another `whose`, or damaged.
+  std::optional<std::string> open(std::string_view sealed, std::string_view whose) const;
+
+ private:
+  SealingKey() = default;
+  std::array<unsigned char, 32> key_{};
+};
 
 enum class DigestKind { kSha1, kSha256 };
 /// The raw bytes of the digest.

@@ -5,9 +5,11 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
+import time
 import uuid
 
 import httpx
+import pyotp
 import pytest
 from api_contract import Contract
 from harness import REPO, StackHouse, TestStack
@@ -66,6 +68,27 @@ def link_token(stack: TestStack, email: str, page: str = "verify") -> str:
     return found[2]
 
 
+class Device:
+    """What shows one-time codes to a person, who never gives one twice."""
+
+    STEP = 30
+
+    def __init__(self, secret: str):
+        self.totp = pyotp.TOTP(secret)
+        self.given = 0
+
+    def code(self) -> str:
+        """The next one that was not given yet; waits only for a third one within a minute."""
+        while self.given + 1 > time.time() // self.STEP + 1:
+            time.sleep(0.2)
+        self.given = max(self.given + 1, int(time.time() // self.STEP))
+        return self.at(self.given)
+
+    def at(self, step: int) -> str:
+        """That of a step of 30 s since 1970."""
+        return self.totp.generate_otp(step)
+
+
 class Person:
     """Somebody with an account, signed in."""
 
@@ -74,6 +97,7 @@ class Person:
         self.email = email or f"person-{uuid.uuid4().hex[:12]}@example.org"
         self.http = client(stack)
         self.csrf = ""
+        self.device: Device | None = None
 
     def sign_up(self) -> "Person":
         forget_attempts(self.stack)
@@ -84,16 +108,29 @@ class Person:
         return self
 
     def sign_in(self) -> "Person":
-        answer = self.http.post("/v1/sign-in", json={"email": self.email, "password": PASSWORD})
+        given = {"email": self.email, "password": PASSWORD, **({"code": self.device.code()} if self.device else {})}
+        answer = self.http.post("/v1/sign-in", json=given)
         assert answer.status_code == 200, answer.text
         self.csrf = answer.json()["csrf_token"]
         self.http.headers["X-CSRF-Token"] = self.csrf
         return self
 
     def becomes_administrator(self) -> "Person":
-        """One who may do all that administrators may; whoever is signed in as that person is one from now on."""
+        """One who may do all that administrators may, with a second factor; whoever is signed in as that person is one
+        from now on."""
         self.stack.psql("UPDATE users SET is_administrator = true WHERE email = %s", self.email)
+        if self.device is None:
+            self.sets_up_second_factor()
         return self
+
+    def sets_up_second_factor(self) -> list[str]:
+        """The recovery codes. All other browsers of the person are signed out."""
+        answer = self.http.post("/v1/me/second-factor", json={"password": PASSWORD})
+        assert answer.status_code == 201, answer.text
+        self.device = Device(answer.json()["secret"])
+        answer = self.http.post("/v1/me/second-factor/confirm", json={"code": self.device.code()})
+        assert answer.status_code == 200, answer.text
+        return answer.json()["recovery_codes"]
 
     def is_no_administrator(self) -> None:
         self.stack.psql("UPDATE users SET is_administrator = false WHERE email = %s", self.email)

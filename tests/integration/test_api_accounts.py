@@ -77,7 +77,7 @@ def test_a_letter_box_is_not_filled_by_strangers(api):  # noqa: F811
 def test_passwords_are_refused_for_being_short_or_the_address_alone(api):  # noqa: F811
     http = client(api)
     forget_attempts(api)
-    for password in ("short", "x" * 201, "Somebody@example.org"):
+    for password in ("short", "kq7 zr4 vm2", "password1234", "x" * 201, "Somebody@example.org"):
         document = problem(http.post("/v1/accounts", json={"email": "somebody@example.org", "password": password}),
                            422, "invalid")
         assert document["errors"][0]["field"] == "password"

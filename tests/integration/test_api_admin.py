@@ -19,6 +19,7 @@ def command(stack, *words: str) -> subprocess.CompletedProcess:
 def admin(api) -> Person:  # noqa: F811
     one = person(api)
     assert command(api, "grant", one.email.upper()).returncode == 0
+    one.sets_up_second_factor()
     return one
 
 
@@ -37,9 +38,10 @@ def test_the_role_is_given_and_taken_by_a_command_on_the_machine_alone(api):  # 
     done = command(api, "grant", one.email)
     assert done.returncode == 0 and one.email in command(api, "list").stdout
     assert one.http.get("/v1/me").json()["administrator"] is True
+    one.sets_up_second_factor()
     assert one.http.get("/v1/admin/users").status_code == 200
-    assert [e["action"] for e in entries(one, one.id)] == ["administrator.granted"]
-    assert entries(one, one.id)[0]["actor"] == "machine"
+    [entry] = entries(one, one.id, action="administrator.")
+    assert entry["action"] == "administrator.granted" and entry["actor"] == "machine"
     assert command(api, "revoke", one.email).returncode == 0
     problem(one.http.get("/v1/admin/users"), 403, "forbidden")
     for words, code in ((("grant", "nobody@example.org"), 1), (("grant",), 78), (("crown", one.email), 78)):
@@ -122,6 +124,27 @@ def test_the_log_is_filtered_and_read_page_by_page(api, admin):  # noqa: F811
     assert ids == sorted(ids, reverse=True) and len(ids) == 6 and rest["next_cursor"] is None
     for wrong in ({"account": "x"}, {"from": "yesterday"}, {"until": "2026-02-31T00:00:00Z"}, {"cursor": "x"}, {"limit": "0"}):
         problem(admin.http.get("/v1/admin/audit", params=wrong), 422, "invalid")
+
+
+def test_that_an_administrator_looked_is_in_the_log(api, admin):  # noqa: F811
+    one = person(api)
+
+    def looks() -> list[dict]:
+        return [e for e in entries(admin, admin.id) if e["action"].endswith(".looked-at")]
+
+    admin.http.get("/v1/admin/users", params={"query": one.email})
+    admin.http.get(f"/v1/admin/users/{one.id}")
+    admin.http.get("/v1/reports")
+    found = looks()
+    assert [e["action"] for e in found[:3]] == ["reports.looked-at", "account.looked-at", "accounts.looked-at"]
+    assert found[1]["subject_id"] == one.id and found[2]["details"] == {"items": 1} and found[0]["actor"] == "administrator"
+    assert looks()[0]["action"] == "audit-log.looked-at" and looks()[0]["details"]["account"] == admin.id
+    assert one.email not in api.psql("SELECT string_agg(details::text, ' ') FROM audit_log")[0][0]
+    # What did not get that far is no look.
+    before = looks()[0]["id"]
+    problem(one.http.get(f"/v1/admin/users/{admin.id}"), 403, "forbidden")
+    problem(admin.http.get("/v1/admin/users/00000000-0000-4000-8000-000000000000"), 404, "not-found")
+    assert [e["id"] for e in looks()[:2]][1] == before, "nothing but the look before this one"
 
 
 def test_the_fleet_is_what_redis_says(api, admin):  # noqa: F811

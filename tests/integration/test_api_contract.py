@@ -162,6 +162,11 @@ def account_ways(stack) -> None:
     other.http.post("/v1/password-reset/confirm",
                     json={"token": link_token(stack, other.email, "reset"), "password": PASSWORD + " two"})
     other = person(stack)
+    other.http.get("/v1/me/second-factor")
+    factor, given = "/v1/me/second-factor", {"password": PASSWORD, "code": other.sets_up_second_factor()[0]}
+    given["code"] = other.http.post(f"{factor}/recovery-codes", json=given).json()["recovery_codes"][0]
+    other.http.post(f"{factor}/removal", json=given)
+    other = person(stack)
     other.http.post("/v1/me/password", json={"current": PASSWORD, "password": PASSWORD + " two"})
     other.http.post("/v1/me/email", json={"email": "x-" + other.email, "password": PASSWORD + " two"})
     other.http.post("/v1/email-change/confirm", json={"token": link_token(stack, "x-" + other.email, "confirm-email")})

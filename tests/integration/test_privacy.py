@@ -31,6 +31,7 @@ def store_volume(stack, data_set: str) -> None:
 def with_everything(stack) -> tuple[Person, str, str]:
     """Somebody who has used everything; a ready scan, and one whose upload is under way."""
     one = person(stack)
+    one.sets_up_second_factor()
     ready = one.upload(b"x" * 100, title=f"Title of {one.email}")["id"]
     store_volume(stack, ready)
     unfinished = one.data_set(1000, title="Half of it")
@@ -68,10 +69,13 @@ def test_an_export_holds_everything_of_the_person_and_nothing_of_others(api):  #
     assert {d["id"] for d in records["records/data_sets.owner_id.json"]} >= {ready, unfinished}
     assert [r["events"] for r in records["records/recordings.user_id.json"]] == [1]
     assert records["records/render_time.user_id.json"][0]["device_ms"] == 1234
+    [factor] = records["records/second_factors.user_id.json"]
+    assert factor["confirmed_at"] and len(records["records/recovery_codes.user_id.json"]) == 10
     assert "account.export-asked" in {entry["action"] for entry in json.loads(file.read("audit.json"))}
     assert b"voxels.i16" in file.read("README.txt")
     whole = b"".join(file.read(name) for name in names)
-    for secret in (other.email, other.id, other_ready, one.http.cookies["diaphane"], one.csrf, "$argon2id$"):
+    for secret in (other.email, other.id, other_ready, one.http.cookies["diaphane"], one.csrf, "$argon2id$", one.device.totp.secret,
+                   *api.psql("SELECT sealed_secret FROM second_factors")[0], *api.psql("SELECT code_hash FROM recovery_codes")[0]):
         assert secret.encode() not in whole
     # Every table with rows of persons is in it, those of tomorrow too.
     tables = {t for (t,) in api.psql("""SELECT DISTINCT conrelid::regclass::text FROM pg_constraint

@@ -11,7 +11,7 @@ import uuid
 from typing import Any, Callable
 
 import httpx
-from api_client import CONTRACT, PASSWORD, Person, add_worker, client, make_ready, person
+from api_client import CONTRACT, PASSWORD, Device, Person, add_worker, client, make_ready, person
 from cut_help import KEEP, store
 from harness import TestStack
 
@@ -45,6 +45,8 @@ class World:
         one.http.cookies.set("diaphane", token)
         one.http.headers["X-CSRF-Token"] = csrf
         one.known_id = one_id
+        if role == "administrator":
+            one.becomes_administrator()
         return one
 
     @property
@@ -197,6 +199,10 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "confirmEmailChange": lambda world, who: {"token": world.token_for(world.owner, "change")},
     "changePassword": lambda world, who: {"current": PASSWORD, "password": NEW_PASSWORD},
     "requestEmailChange": lambda world, who: {"email": f"new-{uuid.uuid4().hex}@example.org", "password": PASSWORD},
+    "beginSecondFactor": lambda world, who: {"password": PASSWORD},
+    "confirmSecondFactor": lambda world, who: {"code": who.device.code() if who.device else "000000"},
+    "renewRecoveryCodes": lambda world, who: {"password": PASSWORD, "code": who.device.code() if who.device else "000000"},
+    "removeSecondFactor": lambda world, who: {"password": PASSWORD, "code": who.device.code() if who.device else "000000"},
     "deleteAccount": lambda world, who: {"password": PASSWORD},
     "createDataSet": lambda world, who: {"bytes": 10},
     "changeUser": lambda world, who: {"quota_bytes": 1000},
@@ -219,8 +225,36 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "join": lambda world, who: {"token": world.owner.http.post(f"/v1/sessions/{world.session_id()}/links").json()["token"],
                                 "key": "0" * 64},
 }
+def signed_in(who: Person) -> bool:
+    return who.http.get("/v1/me").status_code == 200
+
+
+def begin_second_factor(world: World, who: Person) -> None:
+    """Begun, not confirmed."""
+    without_second_factor(world, who)
+    if signed_in(who):
+        who.device = Device(who.http.post("/v1/me/second-factor", json={"password": PASSWORD}).json()["secret"])
+
+
+def with_second_factor(world: World, who: Person) -> None:
+    if signed_in(who) and who.device is None:
+        who.sets_up_second_factor()
+
+
+def without_second_factor(world: World, who: Person) -> None:
+    """Also an administrator, whose role opens nothing then."""
+    if signed_in(who) and who.device is not None:
+        given = {"password": PASSWORD, "code": who.device.code()}
+        assert who.http.post("/v1/me/second-factor/removal", json=given).status_code == 204
+        who.device = None
+
+
 #: What is true before the question.
 before: dict[str, Callable[[World, Person], None]] = {
+    "beginSecondFactor": without_second_factor,
+    "confirmSecondFactor": begin_second_factor,
+    "renewRecoveryCodes": with_second_factor,
+    "removeSecondFactor": with_second_factor,
     "getExport": lambda world, who: world.export_of(who, "queued"),
     "deleteExport": lambda world, who: world.export_of(who, "ready"),
     "downloadExport": lambda world, who: world.export_of(who, "ready"),

@@ -13,7 +13,7 @@ from .says import HouseError
 
 
 def run(data: Path, what: str, email: str | None) -> int:
-    """`what`: grant, revoke (of `email`) or list. Done by diaphane-api with the database of what runs on `data`."""
+    """`what`: grant, revoke, forget-factor (of `email`) or list. Done by diaphane-api with the database of what runs on `data`."""
     if (what == "list") == (email is not None):
         raise HouseError("list takes no address" if email else f"{what} whom? ./diaphane admin {what} EMAIL", 64)
     if supervise.running_supervisor(data) is None:

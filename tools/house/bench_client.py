@@ -26,6 +26,7 @@ class Person:
         self.stack = stack
         self.http = httpx.Client(base_url=stack.settings.url, timeout=60)
         credentials = {"email": f"bench-{secrets.token_hex(6)}@example.org", "password": secrets.token_hex(16)}
+        self.password = credentials["password"]
         self._post("/v1/accounts", credentials)
         self._post("/v1/accounts/verify", {"token": self._mailed_token(credentials["email"])})
         answer = self._post("/v1/sign-in", credentials)
@@ -35,6 +36,12 @@ class Person:
         answer = self.http.post(path, json=body)
         answer.raise_for_status()
         return answer
+
+    def sets_up_second_factor(self) -> None:
+        import pyotp
+
+        secret = self._post("/v1/me/second-factor", {"password": self.password}).json()["secret"]
+        self._post("/v1/me/second-factor/confirm", {"code": pyotp.TOTP(secret).now()})
 
     def _mailed_token(self, email: str) -> str:
         deadline = time.monotonic() + 20

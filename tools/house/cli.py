@@ -65,9 +65,9 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument("--only", metavar="NAME", action="append", help="only this check (repeatable)")
     with_data(command("sample", _sample, "load the sample scan once more; --write-dicom FOLDER: write it as a scanner would",
                       rest=True))
-    administrators = command("admin", _admin, "who is an administrator, of what runs on a data directory: grant EMAIL, revoke EMAIL, list")
+    administrators = command("admin", _admin, "who is an administrator, of what runs on a data directory: grant EMAIL, revoke EMAIL, list; forget-factor EMAIL: of who lost the second factor")
     with_data(administrators)
-    administrators.add_argument("what", choices=("grant", "revoke", "list"), help="give the role, take it away, show who has it")
+    administrators.add_argument("what", choices=("grant", "revoke", "list", "forget-factor"), help="give the role, take it away, show who has it; let in who lost the second factor")
     administrators.add_argument("email", nargs="?", metavar="EMAIL", help="of an account whose address is confirmed (not with list)")
     command("scan", _tool("diaphane-scan"), "FOLDER [--json] [--build VOLUME]: the series in a folder, and which are suitable", rest=True)
     command("render", _tool("diaphane-render"), "INPUT ...: render a picture without a server (--help)", rest=True)

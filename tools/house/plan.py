@@ -122,7 +122,7 @@ def _api(s: Settings) -> Program:
                  stream_port=s.ports["stream"], admin_port=s.ports["api-admin"], public_url=s.url,
                  upload_dir=s.data / "uploads", volume_dir=s.data / "volumes", cache_dir=s.data / "cache",
                  mail=f"file:{s.data / 'mail'}", mail_from="Diaphane <diaphane@localhost>",
-                 sample_token=s.data / "secrets" / "sample-token"))
+                 sample_token=s.data / "secrets" / "sample-token", factor_key=s.data / "secrets" / "factor-key"))
 
 
 def migrate(s: Settings) -> tuple[list[str], dict[str, str]]:

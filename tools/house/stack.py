@@ -193,7 +193,7 @@ class Stack:
     # Inside
 
     def _make_settings(self) -> None:
-        for name in ("postgres-superuser", "sample-token"):
+        for name in ("postgres-superuser", "sample-token", "factor-key"):
             datadir.secret(self.data, name, self.run_as)
         self.settings = Settings(
             data=self.data, ports=self.ports, layout=self.layout, engine=self.engine, durable=self.durable,

@@ -1,0 +1,83 @@
+#include "api/handlers/representations.h"
+#include "api/handlers/request_fields.h"
+#include "api/handlers/routes.h"
+
+namespace diaphane::api {
+namespace {
+
+constexpr std::size_t kPasswordBytes = 800;
+constexpr std::size_t kCodeCharacters = 40;
+
+struct PasswordAndCode {
+  std::string password, code;
+};
+
+Outcome<PasswordAndCode> read_both(const Request& request) {
+  Fields in(request);
+  PasswordAndCode given{in.secret("password", kPasswordBytes), in.text("code", 6, kCodeCharacters)};
+  if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+  return given;
+}
+
+Outcome<Response> codes_response(const Outcome<std::vector<std::string>>& codes) {
+  if (!codes) return tl::unexpected(codes.error());
+  return json_response(200, {{"recovery_codes", *codes}});
+}
+
+Outcome<Response> state_of(SecondFactors& factors, const Principal& who) {
+  const auto state = factors.state(who);
+  if (!state) return tl::unexpected(state.error());
+  nlohmann::ordered_json json{{"set_up_at", nullptr},
+                              {"recovery_codes", state->recovery_codes},
+                              {"required", state->required}};
+  if (state->set_up_at) json["set_up_at"] = rfc3339(*state->set_up_at);
+  return json_response(200, json);
+}
+
+}  // namespace
+
+std::vector<Route> second_factor_routes(SecondFactors& factors) {
+  const auto get = [&factors](const Request&, const Principal& who) {
+    return state_of(factors, who);
+  };
+  const auto begin = [&factors](const Request& request, const Principal& who) -> Outcome<Response> {
+    Fields in(request);
+    const std::string password = in.secret("password", kPasswordBytes);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    const auto made = factors.begin(who, password, request.address);
+    if (!made) return tl::unexpected(made.error());
+    return json_response(201, {{"secret", made->secret}, {"uri", made->uri}});
+  };
+  const auto confirm = [&factors](const Request& request,
+                                  const Principal& who) -> Outcome<Response> {
+    Fields in(request);
+    const std::string code = in.text("code", 6, kCodeCharacters);
+    if (auto wrong = in.finish()) return tl::unexpected(*wrong);
+    return codes_response(factors.confirm(who, code));
+  };
+  const auto renew = [&factors](const Request& request, const Principal& who) -> Outcome<Response> {
+    const auto given = read_both(request);
+    if (!given) return tl::unexpected(given.error());
+    return codes_response(
+        factors.renew_recovery_codes(who, given->password, given->code, request.address));
+  };
+  const auto remove = [&factors](const Request& request,
+                                 const Principal& who) -> Outcome<Response> {
+    const auto given = read_both(request);
+    if (!given) return tl::unexpected(given.error());
+    const auto done = factors.remove(who, given->password, given->code, request.address);
+    if (!done) return tl::unexpected(done.error());
+    return empty_response(204);
+  };
+  const std::string all = "/v1/me/second-factor";
+  constexpr auto kPerson = Access::kPerson;
+  return {
+      {"GET", all, "getSecondFactor", kPerson, get, {}},
+      {"POST", all, "beginSecondFactor", kPerson, begin, {}},
+      {"POST", all + "/confirm", "confirmSecondFactor", kPerson, confirm, {}},
+      {"POST", all + "/recovery-codes", "renewRecoveryCodes", kPerson, renew, {}},
+      {"POST", all + "/removal", "removeSecondFactor", kPerson, remove, {}},
+  };
+}
+
+}  // namespace diaphane::api
