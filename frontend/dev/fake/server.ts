@@ -6,7 +6,7 @@ import type { DataSet, Me } from "../../src/api/types";
 import { draw } from "./picture";
 import { scene_named, serve_stream, type FakeSession } from "./stream";
 
-const me: Me = { id: randomUUID(), email: "anna@example.org", csrf_token: "0".repeat(64), administrator: false, quota: { bytes: 20e9, used_bytes: 3.1e9 }, render_time: { quota_ms: 72_000_000, used_ms: 0, renewed_at: "2027-01-01T00:00:00.000Z", pictures_end_at: null }, };
+const me: Me = { id: randomUUID(), email: "anna@example.org", csrf_token: "0".repeat(64), administrator: false, second_factor: false, quota: { bytes: 20e9, used_bytes: 3.1e9 }, render_time: { quota_ms: 72_000_000, used_ms: 0, renewed_at: "2027-01-01T00:00:00.000Z", pictures_end_at: null }, };
 let signed_in = false;
 const now = () => new Date().toISOString();
 const base = {

@@ -1,4 +1,5 @@
 import { AnonymiseApi } from "./anonymise";
+import { SecondFactorApi } from "./second_factor";
 import { PresetsApi, SharingApi } from "./sharing";
 import type {
   AuditEntry, BrowserSession, DataSet, Export, Fleet, Listed, Me, PresetName, ProblemBody, Recordings, Stream, User,
@@ -61,8 +62,9 @@ export class Api {
     await this.send("POST", "/v1/accounts/verify", { token });
   }
 
-  async sign_in(email: string, password: string): Promise<Me> {
-    return this.known(await this.json<Me>("POST", "/v1/sign-in", { email, password }));
+  /** Rejected with `code-needed` when the account has a second factor and `code` is empty. */
+  async sign_in(email: string, password: string, code = ""): Promise<Me> {
+    return this.known(await this.json<Me>("POST", "/v1/sign-in", { email, password, ...(code ? { code } : {}) }));
   }
 
   async sign_out(): Promise<void> {
@@ -227,6 +229,7 @@ export class Api {
 
   readonly sharing = new SharingApi((...call) => this.send(...call));
   readonly anonymise = new AnonymiseApi((...call) => this.send(...call));
+  readonly second_factor = new SecondFactorApi((...call) => this.send(...call));
   readonly presets = new PresetsApi((...call) => this.send(...call));
 
   private known(me: Me): Me {

@@ -4,7 +4,10 @@ export interface Me {
   readonly id: string;
   readonly email: string;
   readonly csrf_token: string;
+  /** The role; it opens nothing without a second factor. */
   readonly administrator: boolean;
+  /** Signing in asks for a code. */
+  readonly second_factor: boolean;
   readonly quota: { readonly bytes: number; readonly used_bytes: number };
   /** Of render devices, this month. */
   readonly render_time: {

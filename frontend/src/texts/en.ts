@@ -9,6 +9,7 @@ import { my_account } from "./en/my_account";
 import { problems } from "./en/problems";
 import { recording } from "./en/recording";
 import { scans } from "./en/scans";
+import { second_factor } from "./en/second_factor";
 import { sharing } from "./en/sharing";
 import { titles } from "./en/titles";
 import { viewer } from "./en/viewer";
@@ -26,6 +27,7 @@ export const t = {
   problems,
   recording,
   scans,
+  second_factor,
   sharing,
   titles,
   viewer,

@@ -11,6 +11,7 @@ import { MyAccount } from "./my_account";
 import { Link, navigate, route } from "./router";
 import { Reports } from "./reports";
 import { Scans } from "./scans";
+import { SecondFactorFirst } from "./second_factor";
 import { Notice, PageTitle, Shell } from "./shell";
 import { SharedByLink, SharedSample } from "./shared";
 import { AppContext, useApp, type AppState } from "./state";
@@ -56,7 +57,7 @@ function Page() {
     case "account":
       return <Shell><MyAccount me={me} /></Shell>;
     case "admin":
-      return <Shell>{me.administrator ? <Admin part={at.part} /> : <NotFound />}</Shell>;
+      return <Shell>{!me.administrator ? <NotFound /> : me.second_factor ? <Admin part={at.part} /> : <SecondFactorFirst />}</Shell>;
     case "add":
       return <Shell><Add /></Shell>;
     case "cut":

@@ -12,6 +12,10 @@ export interface FieldProps {
   readonly fault?: string;
   readonly placeholder?: string;
   readonly most?: number;
+  /** A keyboard of digits where there is one on the screen. */
+  readonly digits?: boolean;
+  /** Nothing that helps with words. */
+  readonly verbatim?: boolean;
 }
 
 /** A labelled input with its hint and its fault, tied together for a screen reader. */
@@ -35,6 +39,8 @@ export function Field(props: FieldProps) {
           {...(props.autocomplete ? { autocomplete: props.autocomplete } : {})}
           {...(props.placeholder ? { placeholder: props.placeholder } : {})}
           {...(props.most ? { maxLength: props.most } : {})}
+          {...(props.digits ? { inputMode: "numeric" as const } : {})}
+          {...(props.verbatim ? { autocapitalize: "none", spellcheck: false } : {})}
           {...(props.type === "email" ? { inputMode: "email" as const, autocapitalize: "none", spellcheck: false } : {})}
         />
         {secret ? (

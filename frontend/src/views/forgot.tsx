@@ -1,12 +1,14 @@
 import { useEffect, useState } from "preact/hooks";
 import { t } from "../texts/en";
-import { looks_like_email, shortest_password } from "./account";
+import { looks_like_email } from "./account";
 import { AccountFrame } from "./account_frame";
 import { Field } from "./field";
 import { Form, fault, faults_of, type Faults } from "./form";
+import { NewPassword } from "./new_password";
 import { Link } from "./router";
 import { Notice } from "./shell";
 import { useApp } from "./state";
+import { shortest_password } from "./strength";
 
 /** A forgotten password: a link is mailed, whoever has an account. */
 export function Forgot() {
@@ -90,7 +92,7 @@ export function Reset({ token }: { readonly token: string }) {
     <AccountFrame title={t.titles.reset} lead={t.account.reset_lead}>
       {kept === "" ? <Notice kind="bad">{t.account.verify_no_token}</Notice> : (
         <Form onSubmit={submit} busy={busy} label={t.account.reset} {...fault(faults.form)}>
-          <Field label={t.account.new_password} type="password" autocomplete="new-password" value={password} onInput={set_password} hint={t.account.password_hint} {...fault(faults.password)} />
+          <NewPassword label={t.account.new_password} value={password} onInput={set_password} {...fault(faults.password)} />
         </Form>
       )}
       <p class="muted"><Link href="/forgot">{t.account.ask_again}</Link></p>

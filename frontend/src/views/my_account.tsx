@@ -2,14 +2,17 @@ import { useEffect, useState } from "preact/hooks";
 import { export_path } from "../api/client";
 import type { BrowserSession, Export, Me } from "../api/types";
 import { t } from "../texts/en";
-import { looks_like_email, shortest_password } from "./account";
+import { looks_like_email } from "./account";
 import { Dialog } from "./dialog";
 import { Field } from "./field";
 import { Form, fault, faults_of, type Faults } from "./form";
 import { bytes_text, date_text, day_text } from "./format";
+import { NewPassword } from "./new_password";
 import { navigate } from "./router";
+import { SecondFactor } from "./second_factor";
 import { Notice, PageTitle, use_focus_kept } from "./shell";
 import { useApp } from "./state";
+import { shortest_password } from "./strength";
 
 const asked_again_after_ms = 2000;
 
@@ -21,6 +24,7 @@ export function MyAccount({ me }: { readonly me: Me }) {
       <Browsers />
       <Address me={me} />
       <Password />
+      <SecondFactor />
       <Data />
       <Removal />
     </div>
@@ -174,7 +178,7 @@ function Password() {
       {done ? <Notice kind="good">{t.my_account.password_changed}</Notice> : null}
       <Form onSubmit={submit} busy={busy} label={t.my_account.change_password} {...fault(faults.form)}>
         <Field label={t.my_account.current} type="password" autocomplete="current-password" value={current} onInput={set_current} {...fault(faults.current)} />
-        <Field label={t.account.new_password} type="password" autocomplete="new-password" value={password} onInput={set_password} hint={t.account.password_hint} {...fault(faults.password)} />
+        <NewPassword label={t.account.new_password} value={password} onInput={set_password} {...fault(faults.password)} />
       </Form>
     </section>
   );

@@ -2,8 +2,10 @@
 export const account = {
   email: "E-mail address",
   password: "Password",
-  password_hint: "At least 10 characters. A few words in a row make a good one.",
-  password_short: "Use at least 10 characters.",
+  password_hint: "At least 12 characters. A few words in a row make a good one.",
+  password_short: "Use at least 12 characters.",
+  password_missing: (count: number) => (count === 1 ? "One character more." : `${count.toFixed(0)} characters more.`),
+  password_levels: ["Too much of it is the same.", "Long enough. Longer is better.", "Good.", "Very good."],
   email_wrong: "This does not look like an e-mail address.",
   required: "Please fill this in.",
   show: "Show password",

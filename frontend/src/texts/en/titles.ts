@@ -2,6 +2,7 @@
 export const titles = {
   sign_up: "Create your account",
   sign_in: "Sign in",
+  code: "Your code",
   verify: "Confirm your address",
   check_mail: "Check your mail",
   forgot: "A new password",

@@ -1,0 +1,27 @@
+import { t } from "../texts/en";
+import { Field } from "./field";
+import { strength_of } from "./strength";
+
+export interface NewPasswordProps {
+  readonly label: string;
+  readonly value: string;
+  readonly onInput: (value: string) => void;
+  readonly fault?: string;
+}
+
+/** A new password, and what can be said of it while it is typed. */
+export function NewPassword(props: NewPasswordProps) {
+  const { level, missing } = strength_of(props.value);
+  const said = missing > 0 ? t.account.password_missing(missing) : t.account.password_levels[level];
+  return (
+    <div class="new-password">
+      <Field {...props} type="password" autocomplete="new-password" hint={t.account.password_hint} />
+      {props.value === "" ? null : (
+        <p class="strength" role="status">
+          <meter min={0} max={3} low={1} high={2} optimum={3} value={level} aria-hidden="true" />
+          <span>{said}</span>
+        </p>
+      )}
+    </div>
+  );
+}
