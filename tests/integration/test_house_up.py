@@ -112,11 +112,16 @@ def test_administrators_are_made_and_unmade_by_a_command_on_what_runs(home):
     email = account["email"]
     assert not account["administrator"] and somebody.http.get("/v1/admin/users").status_code == 403
     assert admin("list") == (0, "", "")
-    assert admin("grant", email.upper()) == (0, f"{email.upper()} is an administrator.\n", "")
+    code, said, _ = admin("grant", email.upper())
+    assert code == 0 and said.startswith(f"{email.upper()} is an administrator.\nThe role opens nothing before a second factor")
+    assert admin("list") == (0, f"{email} (no second factor yet)\n", "")
+    assert somebody.http.get("/v1/admin/users").status_code == 403
+    somebody.sets_up_second_factor()
     assert admin("list") == (0, f"{email}\n", "")
     assert somebody.http.get("/v1/me").json()["administrator"] and somebody.http.get("/v1/admin/users").status_code == 200
     entries = somebody.http.get("/v1/admin/audit").json()["items"]
     assert [(e["action"], e["actor"]) for e in entries if e["action"].startswith("administrator.")] == [("administrator.granted", "machine")]
+    assert admin("forget-factor", email)[0] == 0 and somebody.http.get("/v1/admin/users").status_code == 403
     assert admin("revoke", email)[0] == 0 and admin("list") == (0, "", "")
     assert somebody.http.get("/v1/admin/users").status_code == 403
 
@@ -130,7 +135,7 @@ def test_administrators_are_made_and_unmade_by_a_command_on_what_runs(home):
 
 def test_the_help_of_admin_needs_nothing_that_runs(home):
     done = home.run("admin", "--help")
-    assert done.returncode == 0 and "EMAIL" in done.stdout and "{grant,revoke,list}" in done.stdout
+    assert done.returncode == 0 and "EMAIL" in done.stdout and "{grant,revoke,list,forget-factor}" in done.stdout
     assert done.stderr == ""
 
 
