@@ -12,6 +12,7 @@
 
 #include "api/admin_command.h"
 #include "api/archive/zip_writer.h"
+#include "api/handlers/preset_format.h"
 #include "api/handlers/routes.h"
 #include "api/http/executor.h"
 #include "api/http/listener.h"
@@ -181,10 +182,18 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   Uploads uploads(data_set_store, files, clock, settings.data_sets.upload_life,
                   settings.data_sets.reserve_bytes / 2);
   RenderTime render_time(render_time_store, placed, placed, clock);
-  Sessions sessions(data_sets, placed, render_time);
+  PresetRepository preset_store(database);
+  // The default preset of its owner; without it, or when it cannot be had now, the volume's own
+  // look.
+  const auto first_scene = [&](const std::string& data_set) {
+    const auto scene = preset_store.default_scene(data_set);
+    return scene && !scene->empty() ? scene_bytes(*scene) : std::string();
+  };
+  Sessions sessions(data_sets, placed, render_time, first_scene);
   Administration administration(administration_store, placed, placed, clock);
   const std::string export_dir = settings.cache_dir + "/exports";
-  Exports exports(privacy_store, ZipWriter::create, clock, settings.volume_dir, export_dir);
+  Exports exports(privacy_store, ZipWriter::create, clock, settings.volume_dir,
+                  settings.cache_dir + "/presets", export_dir);
   AccountDeletion deletion(privacy_store, accounts, placed, clock);
   redis::Links link_store(**redis_client);
   RecordingRepository recording_store(database);
@@ -192,15 +201,16 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   SharingRepository sharing_store(database);
   const SharingParts shared{data_sets, sharing_store, account_store, placed, clock};
   Sharing sharing(shared, {.public_url = settings.public_url});
-  Visits visits(shared, {});
-  PresetRepository preset_store(database);
+  Visits visits(shared, {}, first_scene);
   Presets presets(data_sets, preset_store, clock);
   ReportRepository report_store(database);
-  Reports reports(data_sets, report_store, account_store, clock,
+  Reports reports(data_sets, presets, report_store, account_store, clock,
                   [&](const std::string& data_set) { sharing.end_lost_sessions(data_set); });
   LiveLinks live_links(data_sets, placed, link_store);
   stream::WorkerStills stills(placed);
   Thumbnails thumbnails(data_sets, stills, settings.cache_dir);
+  PresetPictures preset_pictures(data_sets, presets, preset_store, stills, clock,
+                                 settings.cache_dir, scene_bytes);
 
   CutRepository cut_store(database);
   Anonymise anonymise(data_sets, cut_store, thumbnails, placed, clock, [&](const std::string& id) {
@@ -209,14 +219,21 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   });
 
   Mailer mailer(mail_store, **transport, clock);
-  Disposer disposer(data_set_store, files, thumbnails, settings.volume_dir, export_dir);
+  Disposer disposer(data_set_store, files, thumbnails, preset_pictures, settings.volume_dir,
+                    export_dir);
   Periodic send_mails("mail", 2s, [&] {
     const auto [sent, failed] = mailer.send_due();
     metrics.mails(sent, failed);
   });
+  Periodic make_pictures("pictures of presets", 5s, [&] {
+    while (preset_pictures.make_next()) {
+    }
+  });
   Periodic dispose("disposal", 5s, [&] {
     (void)data_set_store.expire_uploads(clock.wall());
-    metrics.disposed(disposer.dispose());
+    const int gone = disposer.dispose();
+    metrics.disposed(gone);
+    if (gone > 0) make_pictures.wake();  // an old one may have been in the way of a new one
     // What an ingestd that was killed left of a volume, also while none runs.
     (void)volume::sweep_unfinished(settings.volume_dir);
   });
@@ -238,6 +255,11 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   second_factors.on_mail([&] { send_mails.wake(); });
   sharing.on_mail([&] { send_mails.wake(); });
   data_sets.on_disposal([&] { dispose.wake(); });
+  anonymise.on_disposal([&] { dispose.wake(); });
+  presets.on_picture([&] {
+    dispose.wake();
+    make_pictures.wake();
+  });
   uploads.on_disposal([&] { dispose.wake(); });
 
   Executor executor(kWorkers, kWaiting);
@@ -260,7 +282,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   front.add(sharing_routes(sharing));
   front.add(anonymise_routes(anonymise));
   front.add(visit_routes(visits));
-  front.add(preset_routes(presets));
+  front.add(preset_routes(presets, preset_pictures));
   front.add(report_routes(reports));
 
   auto listener = Listener::open(front, executor, {.port = settings.api_port});

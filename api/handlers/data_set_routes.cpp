@@ -77,12 +77,7 @@ std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails) 
     const auto path =
         thumbnails.get(who, request.parameter("data_set_id"), request.parameter("preset"));
     if (!path) return tl::unexpected(path.error());
-    // nginx sends the file. Asked each time, by its ETag: the data set may have been anonymised.
-    Response response;
-    response.content_type = "image/jpeg";
-    return std::move(response)
-        .with("X-Accel-Redirect", "/_cache/" + *path)
-        .with("Cache-Control", "private, no-cache");
+    return cached_picture(*path);
   };
   const std::string one = "/v1/data-sets/{data_set_id}";
   constexpr auto kAccess = Access::kPersonOrOperator;

@@ -6,7 +6,9 @@ namespace diaphane::api {
 
 std::vector<Route> live_routes(LiveLinks& links) {
   const auto make = [&links](const Request& request, const Principal& who) -> Outcome<Response> {
-    const auto token = links.make(who, request.parameter("session_id"));
+    const auto once = once_of(request);
+    if (!once) return tl::unexpected(once.error());
+    const auto token = links.make(who, request.parameter("session_id"), *once);
     if (!token) return tl::unexpected(token.error());
     return json_response(201, {{"token", *token}, {"path", "/join#" + *token}});
   };

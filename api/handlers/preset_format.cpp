@@ -123,6 +123,11 @@ nlohmann::ordered_json to_json(const Preset& preset) {
           {"votes", preset.votes},
           {"my_vote", preset.my_vote},
           {"etag", etag_of(preset)},
+          {"taken_down", preset.taken_down
+                             ? nlohmann::ordered_json{{"reason", preset.taken_down_reason}}
+                             : nlohmann::ordered_json()},
+          {"pictured_at", preset.pictured_at ? nlohmann::ordered_json(rfc3339(*preset.pictured_at))
+                                             : nlohmann::ordered_json()},
           {"created_at", rfc3339(preset.created_at)},
           {"updated_at", rfc3339(preset.updated_at)}};
 }
@@ -132,6 +137,11 @@ nlohmann::ordered_json with_scene(const Preset& preset) {
   json["version"] = kPresetVersion;
   json["scene"] = nlohmann::ordered_json::parse(preset.scene);
   return json;
+}
+
+std::string scene_bytes(const std::string& scene) {
+  const auto read = scene::scene_from_json(scene);
+  return read ? read->SerializeAsString() : std::string();
 }
 
 std::string to_xml(const Preset& preset) {

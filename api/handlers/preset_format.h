@@ -32,4 +32,7 @@ nlohmann::ordered_json to_json(const Preset& preset);
 nlohmann::ordered_json with_scene(const Preset& preset);
 std::string to_xml(const Preset& preset);
 
+/// The serialised message of a scene that is kept; empty when it cannot be read.
+std::string scene_bytes(const std::string& scene);
+
 }  // namespace diaphane::api

@@ -15,6 +15,8 @@ Response made(const Preset& preset) {
 }
 
 Outcome<Response> create(Presets& presets, const Request& request, const Principal& who) {
+  const auto key = idempotency_key(request);
+  if (!key) return tl::unexpected(key.error());
   if (auto fits = check_size(request); !fits) return tl::unexpected(fits.error());
   Fields in(request);
   Preset preset;
@@ -22,7 +24,7 @@ Outcome<Response> create(Presets& presets, const Request& request, const Princip
   preset.scene = read_scene(in);
   read_format_version(in);
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-  const auto saved = presets.add(who, request.parameter("data_set_id"), std::move(preset));
+  const auto saved = presets.add(who, request.parameter("data_set_id"), std::move(preset), *key);
   if (!saved) return tl::unexpected(saved.error());
   return made(*saved);
 }
@@ -95,7 +97,7 @@ std::vector<Route> routes_of_one(Presets& presets) {
 
 }  // namespace
 
-std::vector<Route> preset_routes(Presets& presets) {
+std::vector<Route> preset_routes(Presets& presets, PresetPictures& pictures) {
   const auto list = [&presets](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto found = presets.list(who, request.parameter("data_set_id"));
     if (!found) return tl::unexpected(found.error());
@@ -109,10 +111,12 @@ std::vector<Route> preset_routes(Presets& presets) {
   };
   const auto import = [&presets](const Request& request,
                                  const Principal& who) -> Outcome<Response> {
+    const auto key = idempotency_key(request);
+    if (!key) return tl::unexpected(key.error());
     if (auto fits = check_size(request); !fits) return tl::unexpected(fits.error());
     auto preset = read_preset_xml(request);
     if (!preset) return tl::unexpected(preset.error());
-    const auto saved = presets.add(who, request.parameter("data_set_id"), *std::move(preset));
+    const auto saved = presets.add(who, request.parameter("data_set_id"), *std::move(preset), *key);
     if (!saved) return tl::unexpected(saved.error());
     return made(*saved);
   };
@@ -125,12 +129,25 @@ std::vector<Route> preset_routes(Presets& presets) {
     if (!done) return tl::unexpected(done.error());
     return empty_response(204);
   };
+  const auto thumbnail = [&pictures](const Request& request,
+                                     const Principal& who) -> Outcome<Response> {
+    const auto path =
+        pictures.get(who, request.parameter("data_set_id"), request.parameter("preset_id"));
+    if (!path) return tl::unexpected(path.error());
+    return cached_picture(*path);
+  };
   const std::string of_data_set = "/v1/data-sets/{data_set_id}";
   const std::string all = of_data_set + "/presets";
   std::vector<Route> routes{
       {"GET", all, "listPresets", Access::kAnyoneOrPerson, list, {}},
       {"POST", all, "createPreset", Access::kPerson, add, {}},
       {"POST", all + "/xml", "importPreset", Access::kPerson, import, {}},
+      {"GET",
+       all + "/{preset_id}/thumbnail",
+       "getPresetThumbnail",
+       Access::kAnyoneOrPerson,
+       thumbnail,
+       {}},
       {"POST",
        of_data_set + "/default-preset",
        "setDefaultPreset",

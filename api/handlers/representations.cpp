@@ -89,4 +89,12 @@ Response empty_response(int status) {
   return response;
 }
 
+Response cached_picture(const std::string& path) {
+  Response response;
+  response.content_type = "image/jpeg";
+  return std::move(response)
+      .with("X-Accel-Redirect", "/_cache/" + path)
+      .with("Cache-Control", "private, no-cache");
+}
+
 }  // namespace diaphane::api

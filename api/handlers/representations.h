@@ -20,5 +20,8 @@ std::string http_date(Time time);
 
 Response json_response(int status, const nlohmann::ordered_json& body);
 Response empty_response(int status);
+/// A JPEG below the cache directory, which the edge sends. Asked for each time, by its ETag: it may
+/// have been made anew, or be no longer for everybody.
+Response cached_picture(const std::string& path);
 
 }  // namespace diaphane::api

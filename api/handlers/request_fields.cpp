@@ -5,6 +5,8 @@
 #include <ctime>
 #include <regex>
 
+#include "api/handlers/front.h"
+
 namespace diaphane::api {
 namespace {
 
@@ -282,6 +284,12 @@ Outcome<std::string> idempotency_key(const Request& request) {
                                                       [](char c) { return c > 0x20 && c < 0x7f; });
   if (!plain) return refuse_field("Idempotency-Key", "must be up to 128 visible ASCII characters");
   return std::string(key);
+}
+
+Outcome<Once> once_of(const Request& request) {
+  auto key = idempotency_key(request);
+  if (!key) return tl::unexpected(key.error());
+  return Once{*std::move(key), Front::token_of(request)};
 }
 
 }  // namespace diaphane::api

@@ -11,6 +11,7 @@
 
 #include "api/handlers/message.h"
 #include "api/service/cursor.h"
+#include "api/service/idempotency.h"
 #include "api/service/problem.h"
 
 namespace diaphane::api {
@@ -90,5 +91,7 @@ std::optional<std::chrono::system_clock::time_point> time_of(const std::string& 
 
 /// The header, or empty when absent; kInvalid for what no key may be.
 Outcome<std::string> idempotency_key(const Request& request);
+/// The same, with what makes a secret the same again.
+Outcome<Once> once_of(const Request& request);
 
 }  // namespace diaphane::api

@@ -11,6 +11,7 @@
 #include "api/service/data_sets.h"
 #include "api/service/exports.h"
 #include "api/service/live_links.h"
+#include "api/service/preset_pictures.h"
 #include "api/service/presets.h"
 #include "api/service/recordings.h"
 #include "api/service/render_time.h"
@@ -38,7 +39,7 @@ std::vector<Route> live_routes(LiveLinks& links);
 std::vector<Route> sharing_routes(Sharing& sharing);
 std::vector<Route> anonymise_routes(Anonymise& anonymise);
 std::vector<Route> visit_routes(Visits& visits);
-std::vector<Route> preset_routes(Presets& presets);
+std::vector<Route> preset_routes(Presets& presets, PresetPictures& pictures);
 std::vector<Route> report_routes(Reports& reports);
 std::vector<Route> recording_routes(Recordings& recordings);
 

@@ -95,10 +95,12 @@ std::vector<Route> link_routes(Sharing& sharing) {
     return list_response(*found);
   };
   const auto make = [&sharing](const Request& request, const Principal& who) -> Outcome<Response> {
+    const auto once = once_of(request);
+    if (!once) return tl::unexpected(once.error());
     Fields in(request);
     const std::chrono::hours life(in.integer("hours", 1, kLongestLink));
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto made = sharing.make_link(who, request.parameter("data_set_id"), life);
+    const auto made = sharing.make_link(who, request.parameter("data_set_id"), life, *once);
     if (!made) return tl::unexpected(made.error());
     auto body = to_json(made->link);
     body["token"] = made->token;

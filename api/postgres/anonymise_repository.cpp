@@ -22,6 +22,14 @@ Result<void> CutRepository::order(const CutOrder& order, Time now) {
          WHERE id = $1 AND state = 'ready' RETURNING id)sql",
         order.data_set_id, to_us(now));
     if (queued.empty()) return fail(ErrorCode::kConflict, "It is not ready.");
+    // Those that show the old voxels go with them, one that is just being written too.
+    transaction.exec_params0("UPDATE presets SET pictured_at = NULL WHERE data_set_id = $1",
+                             order.data_set_id);
+    transaction.exec_params0(
+        R"sql(
+        INSERT INTO disposals (kind, id) SELECT 'preset', id FROM presets WHERE data_set_id = $1
+        ON CONFLICT DO NOTHING)sql",
+        order.data_set_id);
     transaction.exec_params0(
         R"sql(
         INSERT INTO ingest_jobs (data_set_id, cut, cut_of, asked_by)

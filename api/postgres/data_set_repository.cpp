@@ -5,6 +5,7 @@
 
 #include "api/postgres/account_repository.h"
 #include "api/postgres/data_set_rows.h"
+#include "api/postgres/idempotency.h"
 
 namespace diaphane::api {
 namespace {
@@ -35,19 +36,10 @@ Result<std::variant<Created, OverQuota, KeyReused>> DataSetRepository::create(
     const std::string& user_id = data_set.owner.user_id;
     const bool sample = user_id.empty();
     if (!sample) {
-      // Holds the account, so the same key beside this one waits and then finds what was made.
+      const auto before = made_before(transaction, user_id, key);
+      if (before && std::holds_alternative<KeyReused>(*before)) return KeyReused{};
+      if (before) return std::get<Created>(*before);
       const Quota quota = lock_quota(transaction, user_id);
-      if (key) {
-        const pqxx::result before = transaction.exec_params(
-            R"sql(
-            SELECT request_hash, created_id FROM idempotency_keys
-             WHERE user_id = $1 AND route = $2 AND key = $3)sql",
-            user_id, key->route, key->key);
-        if (!before.empty()) {
-          if (before[0][0].as<std::string>() != key->request_hash) return KeyReused{};
-          return Created{before[0][1].as<std::string>(), true};
-        }
-      }
       if (data_set.bytes > quota.bytes - quota.used) return OverQuota{quota};
     }
     transaction.exec_params0(
@@ -63,13 +55,7 @@ Result<std::variant<Created, OverQuota, KeyReused>> DataSetRepository::create(
         INSERT INTO uploads (id, data_set_id, length, expires_at)
         VALUES ($1, $1, $2, to_timestamp($3::bigint / 1e6)))sql",
                              data_set.id, data_set.bytes, to_us(data_set.expires_at));
-    if (key) {
-      transaction.exec_params0(
-          R"sql(
-          INSERT INTO idempotency_keys (user_id, route, key, request_hash, created_id, created_at)
-          VALUES ($1, $2, $3, $4, $5, to_timestamp($6::bigint / 1e6)))sql",
-          user_id, key->route, key->key, key->request_hash, data_set.id, to_us(now));
-    }
+    note_made(transaction, user_id, key, data_set.id, now);
     return Created{data_set.id, false};
   });
 }
@@ -216,11 +202,12 @@ Result<int> DataSetRepository::expire_uploads(Time now) {
 
 namespace {
 
-constexpr std::array<std::pair<Disposal::Kind, const char*>, 4> kDisposals{
+constexpr std::array<std::pair<Disposal::Kind, const char*>, 5> kDisposals{
     {{Disposal::Kind::kUpload, "upload"},
      {Disposal::Kind::kVolume, "volume"},
      {Disposal::Kind::kPictures, "pictures"},
-     {Disposal::Kind::kExport, "export"}}};
+     {Disposal::Kind::kExport, "export"},
+     {Disposal::Kind::kPreset, "preset"}}};
 
 }  // namespace
 

@@ -1,5 +1,7 @@
 #include "api/postgres/preset_repository.h"
 
+#include "api/postgres/idempotency.h"
+
 namespace diaphane::api {
 namespace {
 
@@ -13,7 +15,10 @@ constexpr const char* kColumns = R"sql(
          d.default_preset_id IS NOT DISTINCT FROM p.id AS is_default,
          p.author_id IS NOT DISTINCT FROM $1::uuid,
          (extract(epoch FROM p.created_at) * 1000000)::bigint,
-         (extract(epoch FROM p.updated_at) * 1000000)::bigint)sql";
+         (extract(epoch FROM p.updated_at) * 1000000)::bigint,
+         p.taken_down_at IS NOT NULL, COALESCE(p.taken_down_reason, ''),
+         (extract(epoch FROM p.pictured_at) * 1000000)::bigint)sql";
+constexpr int kColumnCount = 15;
 constexpr const char* kTables = R"sql(
     FROM presets p JOIN users u ON u.id = p.author_id JOIN data_sets d ON d.id = p.data_set_id)sql";
 
@@ -31,6 +36,9 @@ Preset read(const pqxx::row& row) {
   preset.mine = row[9].as<bool>();
   preset.created_at = from_us(row[10].as<std::int64_t>());
   preset.updated_at = from_us(row[11].as<std::int64_t>());
+  preset.taken_down = row[12].as<bool>();
+  preset.taken_down_reason = row[13].as<std::string>();
+  if (!row[14].is_null()) preset.pictured_at = from_us(row[14].as<std::int64_t>());
   return preset;
 }
 
@@ -65,14 +73,17 @@ Result<Preset> PresetRepository::find(const std::string& id, const std::string& 
                                 id_or_null(viewer_id), id);
     if (rows.empty()) return none();
     Preset preset = read(rows[0]);
-    preset.scene = rows[0][12].as<std::string>();
-    preset.kept_xml = rows[0][13].as<std::string>();
+    preset.scene = rows[0][kColumnCount].as<std::string>();
+    preset.kept_xml = rows[0][kColumnCount + 1].as<std::string>();
     return preset;
   });
 }
 
-Result<void> PresetRepository::add(const Preset& preset, const Limits& limits) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+Result<std::variant<Created, KeyReused>> PresetRepository::add(
+    const Preset& preset, const std::optional<IdempotencyKey>& key, const Limits& limits) {
+  using Answer = std::variant<Created, KeyReused>;
+  return database_.transact([&](pqxx::work& transaction) -> Result<Answer> {
+    if (const auto before = made_before(transaction, preset.author_id, key)) return *before;
     // Additions at once are counted one after the other.
     if (transaction
             .exec_params("SELECT 1 FROM data_sets WHERE id = $1 FOR UPDATE", preset.data_set_id)
@@ -92,7 +103,8 @@ Result<void> PresetRepository::add(const Preset& preset, const Limits& limits) {
         SELECT $1, $2, $3, $4, $5, NULLIF($6, ''), t, t FROM to_timestamp($7::bigint / 1e6) AS t)sql",
                              preset.id, preset.data_set_id, preset.author_id, preset.name,
                              preset.scene, preset.kept_xml, to_us(preset.created_at));
-    return {};
+    note_made(transaction, preset.author_id, key, preset.id, preset.created_at);
+    return Created{preset.id, false};
   });
 }
 
@@ -145,10 +157,93 @@ Result<void> PresetRepository::set_default(const std::string& data_set_id,
         R"sql(
         UPDATE data_sets SET default_preset_id = $2::uuid
          WHERE id = $1 AND ($2::uuid IS NULL OR EXISTS (
-               SELECT 1 FROM presets WHERE id = $2::uuid AND data_set_id = $1))
+               SELECT 1 FROM presets
+                WHERE id = $2::uuid AND data_set_id = $1 AND taken_down_at IS NULL))
         RETURNING 1)sql",
         data_set_id, id_or_null(preset_id));
     if (done.empty()) return none();
+    return {};
+  });
+}
+
+Result<std::string> PresetRepository::default_scene(const std::string& data_set_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::string> {
+    const pqxx::result rows = transaction.exec_params(
+        R"sql(
+        SELECT p.scene FROM data_sets d JOIN presets p ON p.id = d.default_preset_id
+         WHERE d.id = $1 AND p.taken_down_at IS NULL)sql",
+        data_set_id);
+    if (rows.empty()) return std::string();
+    return rows[0][0].as<std::string>();
+  });
+}
+
+Result<std::optional<PresetPicture>> PresetRepository::claim_picture(Time now,
+                                                                     std::chrono::seconds lease) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::optional<PresetPicture>> {
+    // What is still to be removed goes first: it would take the new one with it.
+    const pqxx::result rows = transaction.exec_params(
+        R"sql(
+        WITH next AS (
+          SELECT p.id, d.anonymised_at FROM presets p JOIN data_sets d ON d.id = p.data_set_id
+           WHERE p.pictured_at IS NULL AND p.picture_not_before <= to_timestamp($1::bigint / 1e6)
+             AND d.state = 'ready'
+             AND NOT EXISTS (SELECT 1 FROM disposals g WHERE g.kind = 'preset' AND g.id = p.id)
+           ORDER BY p.picture_not_before, p.created_at, p.id LIMIT 1 FOR UPDATE OF p SKIP LOCKED)
+        UPDATE presets p
+           SET picture_tries = p.picture_tries + 1,
+               picture_not_before = to_timestamp($1::bigint / 1e6)
+                 + make_interval(secs => $2 * (1 << least(p.picture_tries, 6)))
+          FROM next WHERE p.id = next.id
+        RETURNING p.id, p.data_set_id, p.scene,
+                  (extract(epoch FROM next.anonymised_at) * 1000000)::bigint)sql",
+        to_us(now), static_cast<int>(lease.count()));
+    if (rows.empty()) return std::nullopt;
+    const pqxx::row row = rows[0];
+    PresetPicture picture{
+        row[0].as<std::string>(), row[1].as<std::string>(), row[2].as<std::string>(), {}};
+    if (!row[3].is_null()) picture.cut_at = from_us(row[3].as<std::int64_t>());
+    return picture;
+  });
+}
+
+Result<void> PresetRepository::postpone_picture(const std::string& preset_id, Time again) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    transaction.exec_params0(
+        R"sql(
+        UPDATE presets SET picture_not_before = to_timestamp($2::bigint / 1e6),
+                           picture_tries = greatest(picture_tries - 1, 0)
+         WHERE id = $1 AND pictured_at IS NULL)sql",
+        preset_id, to_us(again));
+    return {};
+  });
+}
+
+Result<bool> PresetRepository::keep_picture(const PresetPicture& picture, Time now,
+                                            const std::function<Result<void>()>& write) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
+    // Held until the file is there: whoever changes, cuts or deletes comes after it, and has it
+    // removed.
+    const pqxx::result same = transaction.exec_params(
+        R"sql(
+        SELECT 1 FROM presets p JOIN data_sets d ON d.id = p.data_set_id
+         WHERE p.id = $1 AND p.scene = $2 AND d.state = 'ready'
+           AND COALESCE((extract(epoch FROM d.anonymised_at) * 1000000)::bigint, 0) = $3
+           AND NOT EXISTS (SELECT 1 FROM disposals g WHERE g.kind = 'preset' AND g.id = p.id)
+           FOR UPDATE OF p)sql",
+        picture.preset_id, picture.scene, picture.cut_at ? to_us(*picture.cut_at) : 0);
+    if (same.empty()) return false;
+    if (auto done = write(); !done) return tl::unexpected(done.error());
+    transaction.exec_params0(
+        "UPDATE presets SET pictured_at = to_timestamp($2::bigint / 1e6) WHERE id = $1",
+        picture.preset_id, to_us(now));
+    return true;
+  });
+}
+
+Result<void> PresetRepository::forget_picture(const std::string& preset_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    transaction.exec_params0("UPDATE presets SET pictured_at = NULL WHERE id = $1", preset_id);
     return {};
   });
 }

@@ -141,7 +141,8 @@ Result<std::vector<ExportSection>> PrivacyRepository::sections(const std::string
                  'subject', subject, 'subject_id', subject_id, 'details', details) ORDER BY id), '[]')::text
           FROM audit_log
          WHERE actor_id = $1::uuid OR subject_id = $1::uuid
-            OR subject_id IN (SELECT id FROM data_sets WHERE owner_id = $1::uuid))sql",
+            OR subject_id IN (SELECT id FROM data_sets WHERE owner_id = $1::uuid
+                               UNION ALL SELECT id FROM presets WHERE author_id = $1::uuid))sql",
                                                         user_id)[0]
                                           .as<std::string>()});
     return sections;
@@ -158,6 +159,21 @@ Result<std::vector<std::string>> PrivacyRepository::volumes(const std::string& u
       ids.push_back(row[0].as<std::string>());
     }
     return ids;
+  });
+}
+
+Result<std::vector<ExportStore::Picture>> PrivacyRepository::pictures(const std::string& user_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<Picture>> {
+    std::vector<Picture> found;
+    for (const pqxx::row& row : transaction.exec_params(
+             R"sql(
+             SELECT d.id, p.id FROM data_sets d JOIN presets p ON p.data_set_id = d.id
+              WHERE d.owner_id = $1::uuid AND d.state = 'ready' AND p.pictured_at IS NOT NULL
+              ORDER BY d.created_at, p.created_at)sql",
+             user_id)) {
+      found.push_back({row[0].as<std::string>(), row[1].as<std::string>()});
+    }
+    return found;
   });
 }
 
@@ -206,11 +222,15 @@ Result<std::vector<std::string>> PrivacyRepository::remove_account(
         UPDATE audit_log
            SET actor_id = CASE WHEN actor_id = $1::uuid THEN NULL ELSE actor_id END,
                subject_id = CASE WHEN subject_id = $1::uuid
-                                   OR subject_id IN (SELECT id FROM data_sets WHERE owner_id = $1::uuid)
+                                   OR subject_id IN (SELECT id FROM data_sets WHERE owner_id = $1::uuid
+                               UNION ALL SELECT id FROM presets WHERE author_id = $1::uuid)
                                  THEN NULL ELSE subject_id END
          WHERE actor_id = $1::uuid OR subject_id = $1::uuid
-            OR subject_id IN (SELECT id FROM data_sets WHERE owner_id = $1::uuid))sql",
+            OR subject_id IN (SELECT id FROM data_sets WHERE owner_id = $1::uuid
+                               UNION ALL SELECT id FROM presets WHERE author_id = $1::uuid))sql",
         user_id);
+    // What was said may stay said, but not in this person's words.
+    transaction.exec_params0("UPDATE reports SET words = '' WHERE reporter_id = $1::uuid", user_id);
     note_in_audit_log(transaction,
                       {AuditActor::kPerson,
                        "",

@@ -18,6 +18,7 @@ class PrivacyRepository final : public ExportStore, public AccountDeletionStore 
   Result<std::optional<Job>> claim(Time now, std::chrono::seconds lease) override;
   Result<std::vector<ExportSection>> sections(const std::string& user_id) override;
   Result<std::vector<std::string>> volumes(const std::string& user_id) override;
+  Result<std::vector<Picture>> pictures(const std::string& user_id) override;
   Result<bool> finish(const std::string& id, std::int64_t bytes) override;
   Result<void> expire(Time now) override;
 

@@ -11,14 +11,19 @@ tl::unexpected<Error> none(const char* what) { return fail(ErrorCode::kNotFound,
 
 Result<void> ReportRepository::report(const Report& report, const std::string& reporter_id) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const std::string about =
+        report.preset_id.empty()
+            ? "(data_set_id, reporter_id) WHERE closed_at IS NULL AND preset_id IS NULL"
+            : "(preset_id, reporter_id) WHERE closed_at IS NULL AND preset_id IS NOT NULL";
     transaction.exec_params0(
         R"sql(
-        INSERT INTO reports (id, data_set_id, reporter_id, reason, words, created_at)
-        SELECT $1, d.id, $3, $4, $5, to_timestamp($6::bigint / 1e6) FROM data_sets d WHERE d.id = $2
-        ON CONFLICT (data_set_id, reporter_id) WHERE closed_at IS NULL
-        DO UPDATE SET reason = excluded.reason, words = excluded.words)sql",
+        INSERT INTO reports (id, data_set_id, preset_id, reporter_id, reason, words, created_at)
+        SELECT $1, d.id, $7::uuid, $3, $4, $5, to_timestamp($6::bigint / 1e6) FROM data_sets d
+         WHERE d.id = $2 AND ($7::uuid IS NULL OR EXISTS (SELECT 1 FROM presets WHERE id = $7::uuid))
+        ON CONFLICT )sql" +
+            about + " DO UPDATE SET reason = excluded.reason, words = excluded.words",
         report.id, report.data_set_id, reporter_id, report.reason, report.words,
-        to_us(report.created_at));
+        to_us(report.created_at), report.preset_id.empty() ? nullptr : report.preset_id.c_str());
     return {};
   });
 }
@@ -28,17 +33,20 @@ Result<std::vector<Report>> ReportRepository::open(int limit, const AuditEntry& 
     // What has become private since is none of an administrator's business: not even its title.
     const pqxx::result rows = transaction.exec_params(
         R"sql(
-        SELECT r.id, d.id, CASE WHEN d.visibility = 'public' OR d.taken_down_at IS NOT NULL THEN d.title ELSE '' END,
-               r.reason, r.words, d.taken_down_at IS NOT NULL,
+        SELECT r.id, d.id, CASE WHEN s.shown THEN d.title ELSE '' END, COALESCE(p.id::text, ''),
+               CASE WHEN s.shown THEN COALESCE(p.name, '') ELSE '' END, r.reason, r.words,
+               (CASE WHEN p.id IS NULL THEN d.taken_down_at ELSE p.taken_down_at END) IS NOT NULL,
                (extract(epoch FROM r.created_at) * 1000000)::bigint
-          FROM reports r JOIN data_sets d ON d.id = r.data_set_id
+          FROM reports r JOIN data_sets d ON d.id = r.data_set_id LEFT JOIN presets p ON p.id = r.preset_id
+          CROSS JOIN LATERAL (SELECT d.visibility = 'public' OR d.taken_down_at IS NOT NULL AS shown) s
          WHERE r.closed_at IS NULL ORDER BY r.created_at, r.id LIMIT $1)sql",
         limit);
     std::vector<Report> found;
     for (const pqxx::row& row : rows) {
       found.push_back({row[0].as<std::string>(), row[1].as<std::string>(), row[2].as<std::string>(),
-                       row[3].as<std::string>(), row[4].as<std::string>(), row[5].as<bool>(),
-                       from_us(row[6].as<std::int64_t>())});
+                       row[3].as<std::string>(), row[4].as<std::string>(), row[5].as<std::string>(),
+                       row[6].as<std::string>(), row[7].as<bool>(),
+                       from_us(row[8].as<std::int64_t>())});
     }
     note_in_audit_log(transaction, entry, now);
     return found;
@@ -91,6 +99,41 @@ Result<void> ReportRepository::restore(const std::string& data_set_id, const Aud
                              updated_at = to_timestamp($2::bigint / 1e6)
          WHERE id = $1 AND taken_down_at IS NOT NULL RETURNING 1)sql",
         data_set_id, to_us(now));
+    if (lifted.empty()) return {};
+    note_in_audit_log(transaction, entry, now);
+    return {};
+  });
+}
+
+Result<void> ReportRepository::take_down_preset(const std::string& preset_id,
+                                                const std::string& reason, const AuditEntry& entry,
+                                                Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result taken = transaction.exec_params(
+        R"sql(
+        UPDATE presets SET taken_down_reason = $2, taken_down_at = to_timestamp($3::bigint / 1e6)
+         WHERE id = $1 RETURNING 1)sql",
+        preset_id, reason, to_us(now));
+    if (taken.empty()) return none("There is no such preset.");
+    transaction.exec_params0(
+        "UPDATE data_sets SET default_preset_id = NULL WHERE default_preset_id = $1", preset_id);
+    transaction.exec_params0(
+        R"sql(UPDATE reports SET closed_at = to_timestamp($2::bigint / 1e6)
+               WHERE preset_id = $1 AND closed_at IS NULL)sql",
+        preset_id, to_us(now));
+    note_in_audit_log(transaction, entry, now);
+    return {};
+  });
+}
+
+Result<void> ReportRepository::restore_preset(const std::string& preset_id, const AuditEntry& entry,
+                                              Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    const pqxx::result lifted = transaction.exec_params(
+        R"sql(
+        UPDATE presets SET taken_down_at = NULL, taken_down_reason = NULL
+         WHERE id = $1 AND taken_down_at IS NOT NULL RETURNING 1)sql",
+        preset_id);
     if (lifted.empty()) return {};
     note_in_audit_log(transaction, entry, now);
     return {};

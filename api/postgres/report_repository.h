@@ -5,7 +5,7 @@
 
 namespace diaphane::api {
 
-/// Reports and take-downs (migrations/0005).
+/// Reports and take-downs (migrations/0005, of presets 0008).
 class ReportRepository final : public ReportStore {
  public:
   explicit ReportRepository(Database& database) : database_(database) {}
@@ -16,6 +16,10 @@ class ReportRepository final : public ReportStore {
   Result<void> take_down(const std::string& data_set_id, const std::string& reason,
                          const AuditEntry& entry, Time now) override;
   Result<void> restore(const std::string& data_set_id, const AuditEntry& entry, Time now) override;
+  Result<void> take_down_preset(const std::string& preset_id, const std::string& reason,
+                                const AuditEntry& entry, Time now) override;
+  Result<void> restore_preset(const std::string& preset_id, const AuditEntry& entry,
+                              Time now) override;
 
  private:
   Database& database_;

@@ -2,6 +2,7 @@
 
 #include "api/postgres/account_repository.h"
 #include "api/postgres/data_set_rows.h"
+#include "api/postgres/idempotency.h"
 
 namespace diaphane::api {
 namespace {
@@ -91,9 +92,23 @@ Result<std::vector<DataSetLink>> SharingRepository::links(const std::string& dat
   });
 }
 
-Result<void> SharingRepository::make_link(const std::string& data_set_id, const DataSetLink& link,
-                                          const std::string& token_hash, int most) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+Result<std::variant<DataSetLink, KeyReused>> SharingRepository::make_link(
+    const std::string& data_set_id, const DataSetLink& link, const std::string& token_hash,
+    int most, const std::string& owner_id, const std::optional<IdempotencyKey>& key) {
+  using Answer = std::variant<DataSetLink, KeyReused>;
+  return database_.transact([&](pqxx::work& transaction) -> Result<Answer> {
+    if (const auto before = made_before(transaction, owner_id, key)) {
+      if (std::holds_alternative<KeyReused>(*before)) return KeyReused{};
+      const pqxx::result there = transaction.exec_params(
+          R"sql(
+          SELECT id, (extract(epoch FROM created_at) * 1000000)::bigint,
+                 (extract(epoch FROM expires_at) * 1000000)::bigint
+            FROM data_set_links WHERE id = $1 AND token_hash = $2)sql",
+          std::get<Created>(*before).id, token_hash);
+      if (there.empty()) return fail(ErrorCode::kConflict, "It cannot be shown again.");
+      return DataSetLink{there[0][0].as<std::string>(), from_us(there[0][1].as<std::int64_t>()),
+                         from_us(there[0][2].as<std::int64_t>())};
+    }
     if (!lock_data_set(transaction, data_set_id)) return none("There is no such data set.");
     const auto count = transaction.exec_params1(
         R"sql(SELECT count(*) FROM data_set_links
@@ -102,12 +117,16 @@ Result<void> SharingRepository::make_link(const std::string& data_set_id, const 
     if (count[0].as<int>() >= most) {
       return fail(ErrorCode::kTooMany, "It has as many links as it may have; end one first.");
     }
-    transaction.exec_params0(
+    // A key that was forgotten since makes the token of the link that it made then.
+    const pqxx::result made = transaction.exec_params(
         R"sql(
         INSERT INTO data_set_links (id, data_set_id, token_hash, created_at, expires_at)
-        VALUES ($1, $2, $3, to_timestamp($4::bigint / 1e6), to_timestamp($5::bigint / 1e6)))sql",
+        VALUES ($1, $2, $3, to_timestamp($4::bigint / 1e6), to_timestamp($5::bigint / 1e6))
+        ON CONFLICT (token_hash) DO NOTHING RETURNING 1)sql",
         link.id, data_set_id, token_hash, to_us(link.created_at), to_us(link.expires_at));
-    return {};
+    if (made.empty()) return fail(ErrorCode::kConflict, "It cannot be made again.");
+    note_made(transaction, owner_id, key, link.id, link.created_at);
+    return link;
   });
 }
 

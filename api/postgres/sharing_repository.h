@@ -15,8 +15,9 @@ class SharingRepository final : public SharingStore {
                           const Mail& mail) override;
   Result<void> unshare(const std::string& data_set_id, const std::string& person_id) override;
   Result<std::vector<DataSetLink>> links(const std::string& data_set_id, Time now) override;
-  Result<void> make_link(const std::string& data_set_id, const DataSetLink& link,
-                         const std::string& token_hash, int most) override;
+  Result<std::variant<DataSetLink, KeyReused>> make_link(
+      const std::string& data_set_id, const DataSetLink& link, const std::string& token_hash,
+      int most, const std::string& owner_id, const std::optional<IdempotencyKey>& key) override;
   Result<void> end_link(const std::string& data_set_id, const std::string& link_id) override;
   Result<Followed> follow(const std::string& token_hash, Time now) override;
   Result<bool> publish(const std::string& data_set_id, Time now) override;

@@ -16,6 +16,7 @@ Result<void> Links::make(std::string_view session_id, std::string_view user_id,
   const Result<Reply> reply = client_.run(kMakeLink, {session_id, user_id, hash, life, most});
   if (!reply) return tl::unexpected(reply.error());
   if (reply->text == "made") return {};
+  if (reply->text == "ended") return fail(ErrorCode::kConflict, "This link was ended.");
   if (reply->text == "too_many") {
     return fail(ErrorCode::kTooMany, "This picture has as many links as it may have; end them.");
   }

@@ -2,7 +2,8 @@
 --
 -- ARGV: session, user, data set, ticket, protocol epoch, reservation ms, ticket s, session s,
 --       most placed sessions of a person, most remembered sessions of a person,
---       then of a guest, or empty of the owner: participant, name, hash of the link
+--       then of a guest, or empty of the owner: participant, name, hash of the link;
+--       what a session that is new shows first (a serialised Scene), or empty
 -- Returns {"placed", worker, placement}, or {why}: "not_yours", "too_many", "no_worker", "full".
 -- Nothing is written unless it is placed. The keys of workers are not known beforehand, so none are declared:
 -- this wants one Redis, not a Redis Cluster.
@@ -101,6 +102,7 @@ if not chosen then
   if old_worker then redis.call('ZREM', entries_of(old_worker), session) end
   placement = redis.call('HINCRBY', session_key, 'placement', 1)
   redis.call('HSETNX', session_key, 'opened', now)
+  if not known[1] and ARGV[14] ~= '' then redis.call('HSET', session_key, 'scene', ARGV[14]) end
   redis.call('DEL', session_key .. ':ended')
 end
 

@@ -58,7 +58,7 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
   const Result<Reply> reply =
       client_.run(kPlace, {request.session_id, request.user_id, request.data_set_id, ticket,
                            kProtocolEpoch, reservation, ticket_s, session_s, placed, remembered,
-                           request.participant, request.name, request.link});
+                           request.participant, request.name, request.link, request.first_scene});
   if (!reply) return tl::unexpected(reply.error());
   const std::string& what = reply->at(0);
   if (what == "placed") {

@@ -43,6 +43,7 @@ Outcome<Anonymise::View> Anonymise::cut(const Principal& who, const std::string&
     log::warning("sessions of a data set to be cut not ended", {{"data_set", id}});
   }
   (void)thumbnails_.remove(id);
+  wake_();
   return look(who, id);
 }
 

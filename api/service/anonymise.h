@@ -59,6 +59,8 @@ class Anonymise {
   /// kNotReady; kPrecondition when the volume is not the one of `volume_hash`.
   Outcome<View> cut(const Principal& who, const std::string& id, const std::string& region,
                     const std::string& volume_hash);
+  /// Called after files were noted for disposal.
+  void on_disposal(std::function<void()> wake) { wake_ = std::move(wake); }
 
  private:
   DataSets& data_sets_;
@@ -67,6 +69,7 @@ class Anonymise {
   Placement& placement_;
   const Clock& clock_;
   const std::function<std::string(const std::string& id)> stored_hash_;
+  std::function<void()> wake_ = [] {};
 };
 
 }  // namespace diaphane::api

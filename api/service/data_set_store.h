@@ -11,6 +11,7 @@
 #include "api/service/access.h"
 #include "api/service/account_store.h"
 #include "api/service/cursor.h"
+#include "api/service/idempotency.h"
 #include "common/result.h"
 
 namespace diaphane::api {
@@ -91,25 +92,14 @@ struct NewDataSet {
   Time expires_at;
 };
 
-struct IdempotencyKey {
-  std::string route;
-  std::string key;
-  std::string request_hash;  ///< secrets.h, blake2b
-};
-
-struct Created {
-  std::string id;  ///< with `again`, of the one that the same key made before
-  bool again = false;
-};
 struct OverQuota {
   Quota quota;
 };
-struct KeyReused {};  ///< the key came before with another request
 
 /// What is to be removed from disk.
 struct Disposal {
-  /// kPictures: what was made of a volume that has been replaced.
-  enum class Kind { kUpload, kVolume, kPictures, kExport } kind = Kind::kUpload;
+  /// kPictures: what was made of a volume that has been replaced. kPreset: a preset's picture.
+  enum class Kind { kUpload, kVolume, kPictures, kExport, kPreset } kind = Kind::kUpload;
   std::string id;
 };
 

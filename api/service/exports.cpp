@@ -16,7 +16,8 @@ constexpr std::string_view kReadMe =
     "scans/     A folder for each scan, named by its id (records/data_sets.owner_id.json has the\n"
     "           title that you gave it). volume.json says its size in voxels, the distance of\n"
     "           voxels in mm, and its orientation. voxels.i16 are the values: 16-bit whole\n"
-    "           numbers, little endian, x fastest, then y, then z; of a CT in Hounsfield units.\n\n"
+    "           numbers, little endian, x fastest, then y, then z; of a CT in Hounsfield units.\n"
+    "           presets/ are pictures of the scan, one for each preset saved for it.\n\n"
     "The files from your disc are not here, because they are not kept.\n";
 
 tl::unexpected<Problem> none() {
@@ -26,11 +27,13 @@ tl::unexpected<Problem> none() {
 }  // namespace
 
 Exports::Exports(ExportStore& store, MakeFile make_file, const Clock& clock,
-                 std::string volume_directory, std::string export_directory)
+                 std::string volume_directory, std::string picture_directory,
+                 std::string export_directory)
     : store_(store),
       make_file_(std::move(make_file)),
       clock_(clock),
       volume_directory_(std::move(volume_directory)),
+      picture_directory_(std::move(picture_directory)),
       export_directory_(std::move(export_directory)) {}
 
 Outcome<Export> Exports::request(const Principal& who) {
@@ -82,13 +85,26 @@ Result<std::int64_t> Exports::write(const ExportStore::Job& job, const std::stri
   }
   const auto volumes = store_.volumes(job.user_id);
   if (!volumes) return tl::unexpected(volumes.error());
+  // What was deleted since is not held any more.
+  const auto add = [&](const std::string& name, const std::string& path) -> Result<void> {
+    auto done = (*file)->add_file(name, path);
+    if (!done && done.error().code != ErrorCode::kNotFound) return done;
+    return {};
+  };
   for (const std::string& id : *volumes) {
     for (const char* name : {"volume.json", "voxels.i16"}) {
-      const auto done =
-          (*file)->add_file("scans/" + id + "/" + name, volume_directory_ + "/" + id + "/" + name);
-      // Deleted since: then it is not held any more.
-      if (!done && done.error().code != ErrorCode::kNotFound) return tl::unexpected(done.error());
+      const std::string of_scan = id + "/" + name;
+      if (auto done = add("scans/" + of_scan, volume_directory_ + "/" + of_scan); !done) {
+        return tl::unexpected(done.error());
+      }
     }
+  }
+  const auto pictures = store_.pictures(job.user_id);
+  if (!pictures) return tl::unexpected(pictures.error());
+  for (const ExportStore::Picture& one : *pictures) {
+    const auto done = add("scans/" + one.data_set_id + "/presets/" + one.preset_id + ".jpg",
+                          picture_directory_ + "/" + one.preset_id + "/picture.jpg");
+    if (!done) return tl::unexpected(done.error());
   }
   return (*file)->finish();
 }

@@ -46,6 +46,11 @@ class ExportStore {
   /// Whatever the database holds of the person, table by table, but for secrets.
   virtual Result<std::vector<ExportSection>> sections(const std::string& user_id) = 0;
   virtual Result<std::vector<std::string>> volumes(const std::string& user_id) = 0;
+  /// Those of presets, whoever saved them, that show the person's own data sets.
+  struct Picture {
+    std::string data_set_id, preset_id;
+  };
+  virtual Result<std::vector<Picture>> pictures(const std::string& user_id) = 0;
   /// False: it is not wanted any more.
   virtual Result<bool> finish(const std::string& id, std::int64_t bytes) = 0;
   virtual Result<void> expire(Time now) = 0;
@@ -68,8 +73,9 @@ class Exports {
   static constexpr std::chrono::minutes kPause{10};  ///< between two of one person
   static constexpr std::chrono::minutes kLease{30};
 
+  /// `picture_directory` has a folder for each preset.
   Exports(ExportStore& store, MakeFile make_file, const Clock& clock, std::string volume_directory,
-          std::string export_directory);
+          std::string picture_directory, std::string export_directory);
 
   /// kTooMany soon after another.
   Outcome<Export> request(const Principal& who);
@@ -89,7 +95,7 @@ class Exports {
   ExportStore& store_;
   MakeFile make_file_;
   const Clock& clock_;
-  std::string volume_directory_, export_directory_;
+  std::string volume_directory_, picture_directory_, export_directory_;
   std::function<void()> wake_ = [] {};
 };
 

@@ -8,6 +8,7 @@
 
 #include "api/service/account_store.h"
 #include "api/service/data_set_store.h"
+#include "api/service/preset_pictures.h"
 #include "api/service/thumbnails.h"
 #include "api/service/uploads.h"
 #include "common/clock.h"
@@ -44,10 +45,12 @@ class Mailer {
 class Disposer {
  public:
   Disposer(DataSetStore& store, UploadFiles& files, Thumbnails& thumbnails,
-           std::string volume_directory, std::string export_directory)
+           PresetPictures& preset_pictures, std::string volume_directory,
+           std::string export_directory)
       : store_(store),
         files_(files),
         thumbnails_(thumbnails),
+        preset_pictures_(preset_pictures),
         volume_directory_(std::move(volume_directory)),
         export_directory_(std::move(export_directory)) {}
   /// How many are gone now.
@@ -58,6 +61,7 @@ class Disposer {
   DataSetStore& store_;
   UploadFiles& files_;
   Thumbnails& thumbnails_;
+  PresetPictures& preset_pictures_;
   std::string volume_directory_, export_directory_;
 };
 

@@ -24,16 +24,20 @@ Outcome<std::string> LiveLinks::check_owner(const Principal& who, const std::str
   return session->data_set_id;
 }
 
-Outcome<std::string> LiveLinks::make(const Principal& who, const std::string& session_id) {
+Outcome<std::string> LiveLinks::make(const Principal& who, const std::string& session_id,
+                                     const Once& once) {
   const auto mine = check_owner(who, session_id);
   if (!mine) return tl::unexpected(mine.error());
   // With whom a scan is shared does not share it further.
   if (auto may = data_sets_.authorise(who, *mine, Action::kInvite); !may) {
     return tl::unexpected(may.error());
   }
-  std::string token = random_hex(32);
+  std::string token = token_for("live link\n" + session_id, once);
   const auto made = links_.make(session_id, who.user_id, blake2b(token));
   if (!made && made.error().code == ErrorCode::kNotFound) return no_such_session();
+  if (!made && made.error().code == ErrorCode::kConflict) {
+    return refuse(ProblemKind::kConflict, "What this key made was ended. Make another link.");
+  }
   if (!made) return refuse(made.error());
   return token;
 }

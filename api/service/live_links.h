@@ -3,6 +3,7 @@
 #include <string>
 
 #include "api/service/data_sets.h"
+#include "api/service/idempotency.h"
 #include "api/service/placement.h"
 #include "api/service/problem.h"
 
@@ -20,8 +21,9 @@ class LiveLinks {
   LiveLinks(DataSets& data_sets, Placement& placement, LinkStore& links)
       : data_sets_(data_sets), placement_(placement), links_(links) {}
 
-  /// The token of a new link: shown this once, kept as a hash. kNotFound (the session), kTooMany.
-  Outcome<std::string> make(const Principal& who, const std::string& session_id);
+  /// The token of a new link: shown this once, kept as a hash; the same key gives the same one
+  /// again, or kConflict once it was ended. kNotFound (the session), kTooMany.
+  Outcome<std::string> make(const Principal& who, const std::string& session_id, const Once& once);
   /// Every link of the session; who came by them is sent away.
   Outcome<void> end(const Principal& who, const std::string& session_id);
   /// `key`: 64 hexadecimal digits of the guest's own, by which he is the same person when he comes

@@ -28,6 +28,9 @@ struct PlaceRequest {
   std::string participant = {};  ///< id, the same over reconnections
   std::string name = {};         ///< as typed
   std::string link = {};         ///< hash of the token of the link that let him in
+  /// Of a session that is new: what it shows first, a serialised diaphane.v1.Scene; empty: the
+  /// volume's own look.
+  std::string first_scene = {};
 };
 
 /// Where the session is now and a fresh ticket for one connection to it.
@@ -91,7 +94,8 @@ class Tickets {
 class LinkStore {
  public:
   virtual ~LinkStore() = default;
-  /// kNotFound: no such session of this user. kTooMany: it has as many as it may have.
+  /// One that is there stays. kNotFound: no such session of this user. kConflict: it was ended.
+  /// kTooMany: the session has as many as it may have.
   virtual Result<void> make(std::string_view session_id, std::string_view user_id,
                             std::string_view hash) = 0;
   /// The session that a link leads to; kNotFound.
@@ -102,12 +106,15 @@ class LinkStore {
 
 struct StillRequest {
   std::string data_set_id;
-  std::string preset;  ///< "skin", "muscle", "vessels", "bone"
+  std::string preset;      ///< "skin", "muscle", "vessels", "bone"; or
+  std::string scene = {};  ///< a serialised diaphane.v1.Scene
   std::uint32_t width = 320, height = 320;
-  std::uint32_t samples = 64;  ///< per pixel
+  std::uint32_t samples = 64;  ///< per pixel, at most
+  double error = 0;            ///< estimated, at which it is good enough; 0: all samples
+  bool background = false;     ///< nobody waits: others go first
 };
 
-/// Pictures without a session: thumbnails. Thread-safe; blocks up to 20 s.
+/// Pictures without a session: thumbnails. Thread-safe; blocks up to 20 s, in the background 60 s.
 class Stills {
  public:
   virtual ~Stills() = default;

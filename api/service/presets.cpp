@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "api/service/secrets.h"
 #include "common/ids.h"
 
 namespace diaphane::api {
@@ -24,6 +25,11 @@ tl::unexpected<Problem> from_store(const Error& error) {
   return refuse(error);
 }
 
+/// What was taken down is there for who made it and who judges it.
+bool hidden(const Preset& preset, const Principal& who) {
+  return preset.taken_down && !preset.mine && !who.administrator;
+}
+
 }  // namespace
 
 Outcome<std::vector<Preset>> Presets::list(const Principal& who, const std::string& data_set_id) {
@@ -32,6 +38,7 @@ Outcome<std::vector<Preset>> Presets::list(const Principal& who, const std::stri
   }
   auto found = store_.list(data_set_id, who.user_id);
   if (!found) return refuse(found.error());
+  std::erase_if(*found, [&](const Preset& preset) { return hidden(preset, who); });
   return *std::move(found);
 }
 
@@ -39,6 +46,7 @@ Outcome<Preset> Presets::find(const Principal& who, const std::string& id) {
   if (!is_id(id)) return no_such_preset();
   auto found = store_.find(id, who.user_id);
   if (!found) return from_store(found.error());
+  if (hidden(*found, who)) return no_such_preset();
   if (auto seen = data_sets_.authorise(who, found->data_set_id, Action::kLook); !seen) {
     if (seen.error().kind == ProblemKind::kNotFound) return no_such_preset();
     return tl::unexpected(seen.error());
@@ -46,7 +54,8 @@ Outcome<Preset> Presets::find(const Principal& who, const std::string& id) {
   return *std::move(found);
 }
 
-Outcome<Preset> Presets::add(const Principal& who, const std::string& data_set_id, Preset preset) {
+Outcome<Preset> Presets::add(const Principal& who, const std::string& data_set_id, Preset preset,
+                             const std::string& idempotency_key) {
   if (auto may = data_sets_.authorise(who, data_set_id, Action::kSavePreset); !may) {
     return tl::unexpected(may.error());
   }
@@ -54,8 +63,24 @@ Outcome<Preset> Presets::add(const Principal& who, const std::string& data_set_i
   preset.data_set_id = data_set_id;
   preset.author_id = who.user_id;
   preset.created_at = clock_.wall();
-  if (const auto done = store_.add(preset, {}); !done) return from_store(done.error());
-  return find(who, preset.id);
+  std::optional<IdempotencyKey> key;
+  if (!idempotency_key.empty()) {
+    key = IdempotencyKey{
+        "createPreset", idempotency_key,
+        blake2b(data_set_id + "\n" + preset.name + "\n" + preset.scene + "\n" + preset.kept_xml)};
+  }
+  const auto made = store_.add(preset, key, {});
+  if (!made) return from_store(made.error());
+  if (std::holds_alternative<KeyReused>(*made)) {
+    return refuse(ProblemKind::kIdempotencyKeyReused,
+                  "This Idempotency-Key came before with another request.");
+  }
+  wake_();
+  auto found = find(who, std::get<Created>(*made).id);
+  if (!found && found.error().kind == ProblemKind::kNotFound) {
+    return refuse(ProblemKind::kConflict, "What this key made has been deleted since.");
+  }
+  return found;
 }
 
 Outcome<Preset> Presets::change(const Principal& who, const std::string& id, int version,
@@ -68,6 +93,7 @@ Outcome<Preset> Presets::change(const Principal& who, const std::string& id, int
   }
   const auto done = store_.change(id, version, what, clock_.wall());
   if (!done) return from_store(done.error());
+  wake_();
   return find(who, id);
 }
 
@@ -88,6 +114,7 @@ Outcome<Preset> Presets::vote(const Principal& who, const std::string& id, int v
   if (auto may = data_sets_.authorise(who, preset->data_set_id, Action::kVote); !may) {
     return tl::unexpected(may.error());
   }
+  if (preset->taken_down) return refuse(ProblemKind::kForbidden, "This preset was taken down.");
   if (const auto done = store_.vote(id, who.user_id, value); !done) {
     return from_store(done.error());
   }

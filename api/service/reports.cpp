@@ -21,9 +21,10 @@ AuditEntry entry_of(const Principal& who, std::string action, std::string subjec
 
 }  // namespace
 
-Reports::Reports(DataSets& data_sets, ReportStore& store, AccountStore& accounts,
+Reports::Reports(DataSets& data_sets, Presets& presets, ReportStore& store, AccountStore& accounts,
                  const Clock& clock, std::function<void(const std::string&)> end_lost_sessions)
     : data_sets_(data_sets),
+      presets_(presets),
       store_(store),
       accounts_(accounts),
       clock_(clock),
@@ -33,16 +34,34 @@ Outcome<void> Reports::report(const Principal& who, const std::string& data_set_
                               const std::string& reason, const std::string& words) {
   const auto seen = data_sets_.authorise(who, data_set_id, Action::kReport);
   if (!seen) return tl::unexpected(seen.error());
+  return note(who, {{}, data_set_id, {}, {}, {}, reason, words, false, {}});
+}
+
+Outcome<void> Reports::report_preset(const Principal& who, const std::string& preset_id,
+                                     const std::string& reason, const std::string& words) {
+  const auto preset = presets_.find(who, preset_id);
+  if (!preset) return tl::unexpected(preset.error());
+  if (preset->mine) {
+    return refuse(ProblemKind::kForbidden, "This preset is yours: change it, or delete it.");
+  }
+  if (auto may = data_sets_.authorise(who, preset->data_set_id, Action::kReport); !may) {
+    return tl::unexpected(may.error());
+  }
+  return note(who, {{}, preset->data_set_id, {}, preset_id, {}, reason, words, false, {}});
+}
+
+Outcome<void> Reports::note(const Principal& who, Report report) {
   const auto now = clock_.wall();
   const auto wait =
       accounts_.note_attempt({{blake2b("report:" + who.user_id), 20, std::chrono::hours(24)}}, now);
   if (!wait) return refuse(wait.error());
   if (*wait) {
     return refuse(ProblemKind::kTooManyAttempts,
-                  "You have reported many scans today. Go on tomorrow.", **wait);
+                  "You have reported many things today. Go on tomorrow.", **wait);
   }
-  const auto done =
-      store_.report({new_id(), data_set_id, {}, reason, words, false, now}, who.user_id);
+  report.id = new_id();
+  report.created_at = now;
+  const auto done = store_.report(report, who.user_id);
   if (!done) return refuse(done.error());
   return {};
 }
@@ -80,6 +99,32 @@ Outcome<void> Reports::restore(const Principal& who, const std::string& data_set
   if (!seen) return tl::unexpected(seen.error());
   const auto done = store_.restore(
       data_set_id, entry_of(who, "data-set.restored", "data_set", data_set_id), clock_.wall());
+  if (!done) return refuse(done.error());
+  return {};
+}
+
+Outcome<void> Reports::may_judge(const Principal& who, const std::string& preset_id) {
+  const auto preset = presets_.find(who, preset_id);
+  if (!preset) return tl::unexpected(preset.error());
+  if (auto may = data_sets_.authorise(who, preset->data_set_id, Action::kTakeDown); !may) {
+    return tl::unexpected(may.error());
+  }
+  return {};
+}
+
+Outcome<void> Reports::take_down_preset(const Principal& who, const std::string& preset_id,
+                                        const std::string& reason) {
+  if (auto may = may_judge(who, preset_id); !may) return may;
+  const auto done = store_.take_down_preset(
+      preset_id, reason, entry_of(who, "preset.taken-down", "preset", preset_id), clock_.wall());
+  if (!done) return refuse(done.error());
+  return {};
+}
+
+Outcome<void> Reports::restore_preset(const Principal& who, const std::string& preset_id) {
+  if (auto may = may_judge(who, preset_id); !may) return may;
+  const auto done = store_.restore_preset(
+      preset_id, entry_of(who, "preset.restored", "preset", preset_id), clock_.wall());
   if (!done) return refuse(done.error());
   return {};
 }

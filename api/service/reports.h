@@ -8,6 +8,7 @@
 
 #include "api/service/audit.h"
 #include "api/service/data_sets.h"
+#include "api/service/presets.h"
 #include "common/clock.h"
 
 namespace diaphane::api {
@@ -19,9 +20,10 @@ inline constexpr std::array<std::string_view, 4> kReportReasons{"identifies", "n
 struct Report {
   std::string id;
   std::string data_set_id, title;
-  std::string reason;  ///< one of kReportReasons
-  std::string words;   ///< of the one who reports, or empty
-  bool taken_down = false;
+  std::string preset_id, preset_name;  ///< what it is about; empty: the data set itself
+  std::string reason;                  ///< one of kReportReasons
+  std::string words;                   ///< of the one who reports, or empty
+  bool taken_down = false;             ///< what it is about
   Time created_at;
 };
 
@@ -42,26 +44,43 @@ class ReportStore {
   /// Lifts it: private, to be published anew by its owner; a sample is public again.
   virtual Result<void> restore(const std::string& data_set_id, const AuditEntry& entry,
                                Time now) = 0;
+  /// For its author and administrators alone, nobody's default; closes its reports. kNotFound.
+  virtual Result<void> take_down_preset(const std::string& preset_id, const std::string& reason,
+                                        const AuditEntry& entry, Time now) = 0;
+  virtual Result<void> restore_preset(const std::string& preset_id, const AuditEntry& entry,
+                                      Time now) = 0;
 };
 
 /// Reports of abuse and what an administrator does about them. Thread-safe.
 class Reports {
  public:
-  Reports(DataSets& data_sets, ReportStore& store, AccountStore& accounts, const Clock& clock,
-          std::function<void(const std::string&)> end_lost_sessions);
+  Reports(DataSets& data_sets, Presets& presets, ReportStore& store, AccountStore& accounts,
+          const Clock& clock, std::function<void(const std::string&)> end_lost_sessions);
 
-  /// At most 20 of a person in a day.
+  /// At most 20 of a person in a day, of presets among them.
   Outcome<void> report(const Principal& who, const std::string& data_set_id,
                        const std::string& reason, const std::string& words);
+  /// Somebody else's preset of what may be reported: its name offends.
+  Outcome<void> report_preset(const Principal& who, const std::string& preset_id,
+                              const std::string& reason, const std::string& words);
   /// That they were looked at is in the audit log.
   Outcome<std::vector<Report>> open(const Principal& who);
   Outcome<void> close(const Principal& who, const std::string& report_id);
   Outcome<void> take_down(const Principal& who, const std::string& data_set_id,
                           const std::string& reason);
   Outcome<void> restore(const Principal& who, const std::string& data_set_id);
+  /// Both kNotFound for a preset of what is none of an administrator's business.
+  Outcome<void> take_down_preset(const Principal& who, const std::string& preset_id,
+                                 const std::string& reason);
+  Outcome<void> restore_preset(const Principal& who, const std::string& preset_id);
 
  private:
+  Outcome<void> note(const Principal& who, Report report);
+  /// That an administrator may judge it.
+  Outcome<void> may_judge(const Principal& who, const std::string& preset_id);
+
   DataSets& data_sets_;
+  Presets& presets_;
   ReportStore& store_;
   AccountStore& accounts_;
   const Clock& clock_;

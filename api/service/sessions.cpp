@@ -14,7 +14,9 @@ tl::unexpected<Problem> no_such_session() {
 
 Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::string& session_id,
                                           const std::string& data_set_id) {
-  const auto placed = placement_.place({session_id, who.user_id, data_set_id});
+  PlaceRequest request{session_id, who.user_id, data_set_id};
+  request.first_scene = first_scene_(data_set_id);
+  const auto placed = placement_.place(request);
   if (placed) {
     // Taken away while it was placed: whoever took it may not have seen this session.
     if (auto still = data_sets_.find_ready(who, data_set_id); !still) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,13 @@ class Sessions {
     std::string stream_url;  ///< path and query on the page's origin; works once, within 30 s
   };
 
-  Sessions(DataSets& data_sets, Placement& placement, RenderTime& render_time)
-      : data_sets_(data_sets), placement_(placement), render_time_(render_time) {}
+  /// `first_scene` says what a new session on a data set shows first (PlaceRequest).
+  Sessions(DataSets& data_sets, Placement& placement, RenderTime& render_time,
+           std::function<std::string(const std::string& data_set_id)> first_scene)
+      : data_sets_(data_sets),
+        placement_(placement),
+        render_time_(render_time),
+        first_scene_(std::move(first_scene)) {}
 
   /// kNotFound, kNotReady (the data set); kNoWorker; kUnavailable (Redis); kTooMany;
   /// kRenderTimeSpent; kIdempotencyKeyReused.
@@ -39,6 +45,7 @@ class Sessions {
   DataSets& data_sets_;
   Placement& placement_;
   RenderTime& render_time_;
+  const std::function<std::string(const std::string&)> first_scene_;
 };
 
 }  // namespace diaphane::api

@@ -87,15 +87,30 @@ Outcome<std::vector<DataSetLink>> Sharing::links(const Principal& who, const std
 }
 
 Outcome<Sharing::NewLink> Sharing::make_link(const Principal& who, const std::string& id,
-                                             std::chrono::hours life) {
+                                             std::chrono::hours life, const Once& once) {
   if (auto mine = parts_.data_sets.authorise(who, id, Action::kShare); !mine) {
     return tl::unexpected(mine.error());
   }
   const auto now = parts_.clock.wall();
-  NewLink made{{new_id(), now, now + life}, random_hex(32)};
-  const auto done = parts_.store.make_link(id, made.link, blake2b(made.token), options_.links);
-  if (!done) return refuse(done.error());
-  return made;
+  const NewLink wanted{{new_id(), now, now + life}, token_for("link\n" + id, once)};
+  std::optional<IdempotencyKey> key;
+  if (!once.key.empty()) {
+    key = IdempotencyKey{"createDataSetLink", once.key,
+                         blake2b(id + "\n" + std::to_string(life.count()))};
+  }
+  const auto made =
+      parts_.store.make_link(id, wanted.link, blake2b(wanted.token), options_.links, who.user_id, key);
+  if (!made && made.error().code == ErrorCode::kConflict) {
+    return refuse(ProblemKind::kConflict,
+                  "What this key made was ended, or is known to another browser alone. Make "
+                  "another link.");
+  }
+  if (!made) return refuse(made.error());
+  if (std::holds_alternative<KeyReused>(*made)) {
+    return refuse(ProblemKind::kIdempotencyKeyReused,
+                  "This Idempotency-Key came before with another request.");
+  }
+  return NewLink{std::get<DataSetLink>(*made), wanted.token};
 }
 
 Outcome<void> Sharing::end_link(const Principal& who, const std::string& id,
@@ -229,7 +244,9 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
                   std::chrono::seconds(30));
   }
   if (!noted) return refuse(noted.error());
-  const auto placed = parts_.placement.place({visit.session_id, visitor, visit.data_set_id});
+  PlaceRequest request{visit.session_id, visitor, visit.data_set_id};
+  request.first_scene = first_scene_(visit.data_set_id);
+  const auto placed = parts_.placement.place(request);
   if (!placed && placed.error().code == ErrorCode::kUnavailable && parts_.placement.reachable()) {
     return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));
   }

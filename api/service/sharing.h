@@ -52,7 +52,10 @@ class Sharing {
   Outcome<void> unshare(const Principal& who, const std::string& id, const std::string& person_id);
 
   Outcome<std::vector<DataSetLink>> links(const Principal& who, const std::string& id);
-  Outcome<NewLink> make_link(const Principal& who, const std::string& id, std::chrono::hours life);
+  /// The same key gives the same link and token again, in the browser that made it; kConflict when
+  /// it was ended or in another. kTooMany, kIdempotencyKeyReused.
+  Outcome<NewLink> make_link(const Principal& who, const std::string& id, std::chrono::hours life,
+                             const Once& once);
   Outcome<void> end_link(const Principal& who, const std::string& id, const std::string& link_id);
 
   /// kConflict ("anonymise first") without the owner's confirmed act; kNotReady.
@@ -91,7 +94,10 @@ class Visits {
     Time expires_at;
   };
 
-  Visits(const SharingParts& parts, Options options) : parts_(parts), options_(options) {}
+  /// `first_scene` says what a new session on a data set shows first (PlaceRequest).
+  Visits(const SharingParts& parts, Options options,
+         std::function<std::string(const std::string& data_set_id)> first_scene)
+      : parts_(parts), options_(options), first_scene_(std::move(first_scene)) {}
 
   /// What a link leads to. kNotFound: it was ended, has expired or never was.
   Outcome<SharingStore::Followed> follow(const std::string& token);
@@ -106,6 +112,7 @@ class Visits {
  private:
   SharingParts parts_;
   Options options_;
+  const std::function<std::string(const std::string&)> first_scene_;
 };
 
 }  // namespace diaphane::api

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "api/service/data_set_store.h"
@@ -56,9 +57,11 @@ class SharingStore {
   virtual Result<void> unshare(const std::string& data_set_id, const std::string& person_id) = 0;
 
   virtual Result<std::vector<DataSetLink>> links(const std::string& data_set_id, Time now) = 0;
-  /// kTooMany.
-  virtual Result<void> make_link(const std::string& data_set_id, const DataSetLink& link,
-                                 const std::string& token_hash, int most) = 0;
+  /// `owner_id`: whose key it is. What the same key made before, if that link is still there and
+  /// of this token; kConflict when it is not. kTooMany.
+  virtual Result<std::variant<DataSetLink, KeyReused>> make_link(
+      const std::string& data_set_id, const DataSetLink& link, const std::string& token_hash,
+      int most, const std::string& owner_id, const std::optional<IdempotencyKey>& key) = 0;
   /// With its visits. kNotFound.
   virtual Result<void> end_link(const std::string& data_set_id, const std::string& link_id) = 0;
   struct Followed {

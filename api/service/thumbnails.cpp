@@ -1,14 +1,10 @@
 #include "api/service/thumbnails.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fstream>
 
-#include "common/ids.h"
-#include "common/log.h"
+#include "api/service/picture_file.h"
 
 namespace diaphane::api {
 namespace {
@@ -17,26 +13,6 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 4> kPresets{"skin", "muscle", "vessels", "bone"};
 constexpr auto kPatience = std::chrono::seconds(20);
-
-Result<void> write_whole(const fs::path& path, std::string_view bytes) {
-  const auto broken = [] {
-    return fail(ErrorCode::kUnavailable, "The picture cannot be stored just now.");
-  };
-  std::error_code error;
-  fs::create_directories(path.parent_path(), error);
-  if (error) return broken();
-  // Under a name of its own and renamed: a reader never sees half a picture.
-  const fs::path temporary = path.parent_path() / (".tmp-" + random_hex(8));
-  std::ofstream file(temporary, std::ios::binary);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (file) fs::rename(temporary, path, error);
-  if (!file || error) {
-    fs::remove(temporary, error);
-    return broken();
-  }
-  return {};
-}
 
 }  // namespace
 
@@ -115,7 +91,7 @@ Outcome<void> Thumbnails::render(const std::string& data_set_id, const std::stri
     return refuse(ProblemKind::kNoWorker, jpeg.error().message, std::chrono::seconds(2));
   }
   if (!jpeg) return refuse(jpeg.error());
-  if (auto done = write_whole(directory_ + "/" + path, *jpeg); !done) return refuse(done.error());
+  if (auto done = write_picture(directory_ + "/" + path, *jpeg); !done) return refuse(done.error());
   return {};
 }
 

@@ -13,6 +13,7 @@ namespace {
 namespace v1 = diaphane::v1;
 
 constexpr std::chrono::seconds kLongest{20};
+constexpr std::chrono::seconds kLongestInBackground{60};
 constexpr std::size_t kMostTries = 2;
 
 Error error_of(const grpc::Status& status) {
@@ -32,7 +33,8 @@ Error error_of(const grpc::Status& status) {
 }  // namespace
 
 Result<std::string> WorkerStills::render(const StillRequest& request) {
-  const auto deadline = std::chrono::system_clock::now() + kLongest;
+  const auto deadline =
+      std::chrono::system_clock::now() + (request.background ? kLongestInBackground : kLongest);
   Result<std::vector<WorkerInfo>> workers = workers_.alive();
   if (!workers) return tl::unexpected(workers.error());
   std::erase_if(*workers, [](const WorkerInfo& one) { return one.draining; });
@@ -48,10 +50,16 @@ Result<std::string> WorkerStills::render(const StillRequest& request) {
   channels_.drop_unused();
   v1::StillRequest wanted;
   wanted.set_volume_id(request.data_set_id);
-  wanted.set_preset(request.preset);
+  if (request.scene.empty()) {
+    wanted.set_preset(request.preset);
+  } else if (!wanted.mutable_scene()->ParseFromString(request.scene)) {
+    return fail(ErrorCode::kInvalid, "This is no scene.");
+  }
   wanted.set_width(request.width);
   wanted.set_height(request.height);
   wanted.set_samples(request.samples);
+  wanted.set_error(request.error);
+  wanted.set_background(request.background);
   Error last{ErrorCode::kUnavailable, "No renderer is running; try again in a moment.", {}};
   for (std::size_t i = 0; i < std::min(workers->size(), kMostTries); ++i) {
     const WorkerInfo& worker = (*workers)[i];

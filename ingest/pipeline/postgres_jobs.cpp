@@ -36,17 +36,26 @@ const char* name_of(volume::Modality modality) {
   return "OTHER";
 }
 
-/// What people saved to look at the volume with stays where it was in the patient.
+/// What people saved to look at the volume with stays where it was in the patient. What else the
+/// documents held that some of them were read from may speak of what is gone, and nobody knows in
+/// which coordinates: it goes. So does a preset that cannot be moved.
 void move_presets(pqxx::work& transaction, const std::string& data_set,
                   const volume::Vector& shift) {
   const auto presets = transaction.exec_params(
       "SELECT id, scene FROM presets WHERE data_set_id = $1 FOR UPDATE", data_set);
   for (const pqxx::row& preset : presets) {
     const auto moved = moved_scene(preset[1].as<std::string>(), shift);
-    if (!moved) continue;  // of another version: it says so itself when it is opened
+    const auto id = preset[0].as<std::string>();
+    if (!moved) {
+      transaction.exec_params("DELETE FROM presets WHERE id = $1", id);
+      continue;
+    }
     transaction.exec_params(
-        "UPDATE presets SET scene = $2, version = version + 1, updated_at = now() WHERE id = $1",
-        preset[0].as<std::string>(), *moved);
+        R"sql(
+        UPDATE presets SET scene = $2, kept_xml = NULL, pictured_at = NULL, version = version + 1,
+                           updated_at = now()
+         WHERE id = $1)sql",
+        id, *moved);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 namespace diaphane::render {
 namespace {
@@ -136,6 +137,7 @@ Result<void> CompositeRenderer::settle_changes() {
 Result<void> CompositeRenderer::merge(Helper& helper, const AssistPart& part) {
   ++report_.parts;
   report_.bytes += part.bytes;
+  helped_seconds_ += std::max(part.seconds, 0.0);  // also when it comes too late to be of use
   if (part.epoch != epoch_) {
     ++report_.dropped_parts;
     if (options_.drop_older_epochs) return {};
@@ -245,6 +247,7 @@ Result<Batch> CompositeRenderer::render(std::uint32_t samples, const std::functi
   batch->samples += own_extra_;
   batch->seconds += seconds_since(begin);
   turn_seconds_ = mean(turn_seconds_, batch->seconds);
+  batch->helped_seconds = std::exchange(helped_seconds_, 0);
   return batch;
 }
 

@@ -92,6 +92,7 @@ class CompositeRenderer final : public FrameRenderer {
   double turn_seconds_ = 0;             ///< of a call of render(); 0: unknown
   std::optional<Division> before_;      ///< of the picture before this one
   std::uint32_t own_extra_ = 0;         ///< samples beyond those asked for, in this call
+  double helped_seconds_ = 0;           ///< by devices whose parts were merged since the last batch
   mutable double samples_needed_ = 16;  ///< to 5%, as the last picture was seen to need
   mutable double told_error_ = 0;       ///< of the last progress()
   CompositeReport report_;

@@ -120,6 +120,26 @@ TEST_F(Composite, AveragesAndTilesOfKDevicesAreThePictureOfOne) {
   }
 }
 
+/// Render time: what assistants worked is the picture's, also of parts that come too late.
+TEST_F(Composite, ABatchSaysHowLongOthersWorkedForIt) {
+  const auto many = composite(3, {.division = Division::kAverage});
+  ASSERT_TRUE(many->set_scene(test::skull_scene(), kCanvas));
+  const auto first = many->render(4, nullptr);
+  ASSERT_TRUE(first);
+  EXPECT_NEAR(first->helped_seconds, 3e-3, 1e-12);  // a part of a millisecond of each
+  scripts_[0]->silent = scripts_[1]->silent = scripts_[2]->silent = true;
+  const auto second = many->render(4, nullptr);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->helped_seconds, 0) << "each part once";
+  AssistPart late;
+  late.epoch = 77;
+  late.seconds = 5e-3;
+  scripts_[0]->late.push_back(std::move(late));
+  const auto third = many->render(4, nullptr);
+  ASSERT_TRUE(third);
+  EXPECT_NEAR(third->helped_seconds, 5e-3, 1e-12);
+}
+
 /// Thesis 5.1.2: without the count of interactions, what was rendered of the picture before would
 /// shine through the new one.
 TEST_F(Composite, PartsOfOlderEpochsAreDroppedOrThereWouldBeGhosts) {

@@ -55,6 +55,8 @@ struct Batch {
   std::uint32_t samples = 0;  ///< per pixel; fewer than asked when stopped
   double seconds = 0;
   std::uint64_t dropped_samples = 0;  ///< not finite: dropped and counted
+  /// That other devices worked for the picture, as far as their parts came meanwhile.
+  double helped_seconds = 0;
 };
 
 /// The state of the accumulated picture.

@@ -24,6 +24,7 @@ struct FakeDevice {
   std::atomic<int> scenes{0};
   std::atomic<int> volumes{0};
   std::atomic<double> last_eye_x{0};
+  std::atomic<double> helped_seconds{0};  ///< by others, of each batch
   std::atomic<int> rendering{0};
   std::atomic<int> most_at_once{0};        ///< renderers
   std::atomic<bool> one_at_a_time{false};  ///< a second renderer waits for the first
@@ -67,6 +68,7 @@ class FakeRenderer final : public FrameRenderer {
     --device_->rendering;
     if (device_->lost) return fail(ErrorCode::kDeviceLost, "the context is broken");
     batch.seconds = duration<double>(steady_clock::now() - start).count();
+    batch.helped_seconds = device_->helped_seconds;
     device_->samples += batch.samples;
     progress_.samples += batch.samples;
     progress_.seconds += batch.seconds;

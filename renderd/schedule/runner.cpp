@@ -115,7 +115,12 @@ void Runner::adopt() {
   for (auto& track : arriving_) tracks_.push_back(std::move(track));
   arriving_.clear();
   for (StillJob& job : arriving_stills_) {
-    stills_.push_back(std::make_shared<Still>(Still{std::move(job)}));
+    const auto before = job.background
+                            ? stills_.end()
+                            : std::find_if(stills_.begin(), stills_.end(), [](const auto& still) {
+                                return still->job.background;
+                              });
+    stills_.insert(before, std::make_shared<Still>(Still{std::move(job)}));
   }
   arriving_stills_.clear();
   const auto gone = [](const std::shared_ptr<Track>& track) { return track->gone.load(); };
@@ -213,7 +218,8 @@ std::vector<SessionView> Runner::look() {
     if (track->moving) ++moving;
     views.push_back(track->seen);
   }
-  still_share_ = moving > 0 ? kStillShareMoving : kStillShare;
+  const bool in_background = !stills_.empty() && stills_.front()->job.background;
+  still_share_ = moving > 0 || in_background ? kStillShareMoving : kStillShare;
   const std::lock_guard lock(mutex_);
   costs_.moving_sessions = moving;
   return views;
@@ -348,7 +354,7 @@ bool Runner::render(Turn& turn, Signs::Work& signs) {
     ledger.rendered(own, progress, costs_, now);
   }
   if (track.gone) return false;
-  track.client->rendered(*batch);
+  track.client->rendered(own);
   return true;
 }
 

@@ -26,6 +26,11 @@ struct StillJob {
   std::shared_ptr<const diaphane::v1::Scene> scene;
   Canvas canvas;
   std::uint32_t samples = 1;
+  /// Estimated, at which the picture is good enough before it has all samples; 0: never.
+  double error = 0;
+  /// Behind all that are not, also when it came before them; and beside sessions that render it
+  /// has as little as while somebody drags.
+  bool background = false;
   std::unique_ptr<FrameRenderer> renderer;
   /// When somebody must have the picture: it is given with the samples that it has by then, one at
   /// least. Otherwise a busy device would begin it anew with each request and never end it.

@@ -52,7 +52,7 @@ void Runner::settle_still(Turn& turn) {
   StillJob& job = turn.still->job;
   const auto end = [&](Result<PictureRgb8> picture, double error) {
     job.done(std::move(picture), error);
-    stills_.pop_front();
+    std::erase(stills_, turn.still);  // one that goes before it may have come meanwhile
   };
   if (turn.failed) {
     end(tl::unexpected(*turn.failed), 0);
@@ -62,7 +62,8 @@ void Runner::settle_still(Turn& turn) {
     return;
   }
   const bool late = turn.still->samples > 0 && clock_.now() >= job.until;
-  if (turn.still->samples < job.samples && !late) return;
+  const bool good = job.error > 0 && job.renderer->progress().error <= job.error;
+  if (turn.still->samples < job.samples && !late && !good) return;
   PictureRgb8 picture;
   if (const auto shown = job.renderer->display(picture); !shown) {
     end(tl::unexpected(shown.error()), 0);

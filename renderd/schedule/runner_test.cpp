@@ -56,7 +56,11 @@ class Viewer final : public RenderClient {
     const std::lock_guard lock(mutex_);
     refusals.push_back(why);
   }
-  void rendered(const Batch& batch) override { samples += batch.samples; }
+  void rendered(const Batch& batch) override {
+    samples += batch.samples;
+    const std::lock_guard lock(mutex_);
+    charged_ += batch.seconds;
+  }
   void picture(RenderedPicture picture) override {
     const std::lock_guard lock(mutex_);
     pictures_.push_back(std::move(picture));
@@ -69,6 +73,10 @@ class Viewer final : public RenderClient {
   std::vector<RenderedPicture> pictures() {
     const std::lock_guard lock(mutex_);
     return pictures_;
+  }
+  double charged() {
+    const std::lock_guard lock(mutex_);
+    return charged_;
   }
   std::size_t refusal_count() {
     const std::lock_guard lock(mutex_);
@@ -90,6 +98,7 @@ class Viewer final : public RenderClient {
   Wanted wanted_;
   std::atomic<std::uint64_t> version_{0};
   std::vector<RenderedPicture> pictures_;
+  double charged_ = 0;  // seconds
 };
 
 bool eventually(const std::function<bool()>& holds, std::chrono::milliseconds within = 5000ms) {
@@ -337,11 +346,15 @@ TEST_F(TogetherTest, NoSessionIsChargedForWhatItWaitedForAnother) {
     runner.add(viewers.back(), std::make_unique<FakeRenderer>(device, nullptr), 0);
   }
   EXPECT_TRUE(eventually([&] { return viewers[0]->samples + viewers[1]->samples >= 60; }));
+  runner.stop();
   const RunnerTimes times = runner.times();
   // Two at a time, one of which waits: the lanes were busy for twice as long as the device.
   EXPECT_GT(times.rendering, 1.5 * times.busy);
   EXPECT_EQ(device->most_at_once, 2);
-  runner.stop();
+  // What both are told, and what their accounts are charged, is what the device worked.
+  const double charged = viewers[0]->charged() + viewers[1]->charged();
+  EXPECT_LE(charged, times.busy * 1.001);
+  EXPECT_GT(charged, 0.5 * times.busy);
 }
 
 StillJob still_job(const std::shared_ptr<FakeDevice>& device, std::promise<double>& done) {
@@ -379,6 +392,34 @@ TEST_F(RunnerTest, AStillIsGivenAsItIsWhenItsTimeIsOver) {
   runner.submit(std::move(job));
   ASSERT_EQ(finished.wait_for(10s), std::future_status::ready);
   EXPECT_GT(finished.get(), 0.5 / std::sqrt(double(1u << 30)));
+}
+
+TEST_F(RunnerTest, AStillIsGivenOnceItIsGoodEnough) {
+  std::promise<double> done;
+  auto finished = done.get_future();
+  StillJob job = still_job(device, done);
+  job.samples = 1u << 30;
+  job.error = 0.1;
+  runner.submit(std::move(job));
+  ASSERT_EQ(finished.wait_for(10s), std::future_status::ready);
+  EXPECT_LE(finished.get(), 0.1);
+}
+
+TEST_F(RunnerTest, AStillInTheBackgroundGoesBehindThoseThatCameLater) {
+  device->seconds_per_megapixel = 1;  // 4 ms a sample of 64 x 64
+  std::promise<double> later, sooner;
+  auto ended_later = later.get_future(), ended_sooner = sooner.get_future();
+  StillJob background = still_job(device, later);
+  background.background = true;
+  background.samples = 1000;
+  runner.submit(std::move(background));
+  ASSERT_TRUE(eventually([&] { return device->samples > 0; })) << "it is under way";
+  runner.submit(still_job(device, sooner));
+  ASSERT_EQ(ended_sooner.wait_for(10s), std::future_status::ready);
+  EXPECT_EQ(ended_later.wait_for(0s), std::future_status::timeout);
+  device->seconds_per_megapixel = 0;
+  ASSERT_EQ(ended_later.wait_for(10s), std::future_status::ready) << "and goes on where it was";
+  EXPECT_NEAR(ended_later.get(), 0.5 / std::sqrt(1000.0), 1e-9);
 }
 
 TEST_F(RunnerTest, AStillThatNobodyWaitsForIsDropped) {

@@ -201,6 +201,25 @@ TEST_F(GrpcTest, AStillIsAPictureOfItsSize) {
   EXPECT_EQ(reply.jpeg().substr(0, 2), "\xff\xd8");
   EXPECT_GT(reply.error(), 0);
 
+  // A scene to an error, in the background.
+  volume::Header header;
+  header.size = {24, 24, 24};
+  header.spacing = {4, 4, 4};
+  header.modality = volume::Modality::kCt;
+  *request.mutable_scene() = presets_for(header).front().scene();
+  request.set_samples(4096);
+  request.set_error(0.2);
+  request.set_background(true);
+  grpc::ClientContext good_enough;
+  ASSERT_TRUE(stub->RenderStill(&good_enough, request, &reply).ok());
+  EXPECT_GT(reply.error(), 0);
+  EXPECT_LE(reply.error(), 0.2);
+  request.set_error(-1);
+  grpc::ClientContext no_error;
+  EXPECT_EQ(stub->RenderStill(&no_error, request, &reply).error_code(),
+            grpc::StatusCode::INVALID_ARGUMENT);
+  request.set_error(0);
+
   request.set_preset("none such");
   grpc::ClientContext again;
   EXPECT_EQ(stub->RenderStill(&again, request, &reply).error_code(), grpc::StatusCode::NOT_FOUND);

@@ -260,7 +260,7 @@ void LiveSession::refused(const Wanted& wanted, const Error& why) {
 
 void LiveSession::rendered(const Batch& batch) {
   parts_.metrics.rendered(batch.samples, batch.seconds, batch.dropped_samples);
-  parts_.spent.add(charged_to_, batch.seconds);
+  parts_.spent.add(charged_to_, batch.seconds + batch.helped_seconds);
   const std::lock_guard lock(mutex_);
   samples_since_ += batch.samples;
   dropped_samples_ += batch.dropped_samples;

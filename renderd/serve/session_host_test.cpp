@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <future>
 #include <limits>
 #include <thread>
 
@@ -86,6 +87,42 @@ struct HostTest : testing::Test {
   RenderWorker::Options options;
   std::unique_ptr<RenderWorker> worker;
 };
+
+/// Render time: of whoever opened the session, with what other workers did for it; a guest's own
+/// camera too. Not of who is nobody here, and not stills.
+TEST_F(HostTest, TheAccountIsChargedForItsPicturesAndNobodyForThumbnails) {
+  const std::string user = new_id();
+  device->helped_seconds = 3;
+  Viewer one;
+  v1::Open open;
+  open.set_session_id(new_id());
+  open.set_volume_id(volume);
+  open.set_placement(1);
+  open.set_user_id(user);
+  one.attachment.emplace(*worker->host().open(open, one.link));
+  one.say(hello_message());
+  ASSERT_TRUE(one.follow([](const v1::Frame& frame) { return frame.error() <= 0.05; }));
+  const auto charged = worker->host().spent().take_milliseconds();
+  ASSERT_EQ(charged.size(), 1U);
+  const std::uint64_t ms = charged.at(user);
+  // 100 samples of a millisecond in at most as many batches, each of which three others helped.
+  EXPECT_GE(ms, 3000U + 80);
+  EXPECT_LE(ms, 300'000U + 5000);
+
+  Viewer nobody = attach(new_id());
+  ASSERT_TRUE(nobody.follow([](const v1::Frame& frame) { return frame.error() <= 0.05; }));
+  v1::StillRequest still;
+  still.set_volume_id(volume);
+  still.set_preset("bone");
+  still.set_width(64);
+  still.set_height(64);
+  still.set_samples(8);
+  std::promise<bool> done;
+  worker->stills().render(still, std::make_shared<const std::atomic<bool>>(false),
+                          [&](Result<v1::StillReply> reply) { done.set_value(reply.has_value()); });
+  EXPECT_TRUE(done.get_future().get());
+  EXPECT_TRUE(worker->host().spent().take_milliseconds().empty());
+}
 
 TEST_F(HostTest, AViewerIsGreetedAndSeesItsPictureConverge) {
   Viewer one = attach(new_id());

@@ -13,6 +13,8 @@ namespace {
 // The gateway waits for 20 s; a picture with the samples that it has by then is worth more than
 // none.
 constexpr std::chrono::seconds kLongestRendering{12};
+// For one that nobody waits for, the gateway has 60 s.
+constexpr std::chrono::seconds kLongestInBackground{45};
 
 // Thumbnails of one volume with one seed are the same picture each time.
 constexpr std::uint64_t kStillSeed = 1;
@@ -22,6 +24,7 @@ Result<Canvas> check_request(const v1::StillRequest& request) {
   if (request.samples() == 0 || request.samples() > StillService::kMostSamples) {
     return fail(ErrorCode::kInvalid, "A still has 1 to 4096 samples.", "samples");
   }
+  if (!(request.error() >= 0)) return fail(ErrorCode::kInvalid, "No such error.", "error");
   if (request.look_case() == v1::StillRequest::LOOK_NOT_SET) {
     return fail(ErrorCode::kInvalid, "Neither a preset nor a scene.", "look");
   }
@@ -98,7 +101,9 @@ void StillService::begin(std::shared_ptr<Order> order, Result<VolumeCache::Handl
   job.renderer = std::move(*renderer);
   job.canvas = order->canvas;
   job.samples = order->request.samples();
-  job.until = order->begun + kLongestRendering;
+  job.error = order->request.error();
+  job.background = order->request.background();
+  job.until = order->begun + (job.background ? kLongestInBackground : kLongestRendering);
   job.cancelled = [order] { return order->cancelled->load(); };
   job.done = [this, order](Result<PictureRgb8> picture, double error) {
     encoders_.post(EncodePool::Urgency::kLater, [this, order, picture = std::move(picture), error] {

@@ -54,6 +54,7 @@ class RenderClient {
   virtual void began(std::uint64_t epoch, const Wanted& wanted) = 0;
   /// The renderer did not take `wanted`: the picture before it stays.
   virtual void refused(const Wanted& wanted, const Error& why) = 0;
+  /// Its seconds are the session's own: of a device that it shares, no more than its part.
   virtual void rendered(const Batch& batch) = 0;
   virtual void picture(RenderedPicture picture) = 0;
   /// The session cannot go on; the runner has dropped it.

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import uuid
 
+import numpy
 import pytest
 from api_client import make_ready, person, problem
 from cut_help import KEEP, expected_left, hash_of, holders_of_mark, store
+from jpeg_pixels import jpeg_pixels
 from stream_help import open_session
 
 CONFIRMATION = "this cannot be undone"
@@ -100,6 +102,71 @@ def test_nothing_of_what_was_cut_away_is_left_anywhere(running, owner, scan):
                                                                  ("data-set.anonymised", "person")]
     published = owner.http.post(f"/v1/data-sets/{data_set}/visibility", json={"visibility": "public"})
     assert published.status_code == 200 and published.json()["is_public"]
+
+
+#: The camera beside the middle, a box that keeps the slab of the lower half alone, a lamp: all of it somewhere.
+SLAB_XML = """<preset xmlns="urn:diaphane:preset" version="1" name="Slab">
+  <note where="62 mm behind the nose">of what is cut away</note>
+  <transferFunction>
+    <channels><name>slab</name><opacity><value>20</value></opacity><opacity><value>45</value><opacity>1</opacity></opacity>
+      <opacity><value>100</value><opacity>1</opacity></opacity><diffuse><r>0.9</r><g>0.5</g><b>0.3</b></diffuse></channels>
+    <extinctionPerMm>1</extinctionPerMm>
+  </transferFunction>
+  <lights><environment><radiance><r>0.4</r><g>0.4</g><b>0.4</b></radiance></environment></lights>
+  <lights><sphere><centre><x>-60</x><y>-90</y><z>40</z></centre><radius>15</radius><radiance><r>12</r><g>12</g><b>12</b></radiance></sphere></lights>
+  <camera><eye><x>20</x><y>-190</y><z>60</z></eye><target><x>4</x><z>-15</z></target><up><z>1</z></up>
+    <verticalFovDegrees>22</verticalFovDegrees></camera>
+  <clip><boxLow><x>-30</x><y>-30</y><z>-30</z></boxLow><boxHigh><x>16</x><y>30</y><z>-4</z></boxHigh><cutsLight>true</cutsLight></clip>
+</preset>"""
+
+
+def preset_picture(running, owner, preset: dict) -> numpy.ndarray:
+    """Of the preset as it is now; made if it has to be."""
+    def made():
+        answer = owner.http.get(f"/v1/data-sets/{preset['data_set_id']}/presets/{preset['id']}/thumbnail")
+        return answer.content if answer.status_code == 200 else None
+    return jpeg_pixels(running.wait_until(made, 120, "the preset's picture")).astype(float)
+
+
+def difference(one: numpy.ndarray, other: numpy.ndarray) -> float:
+    """Root of the mean square, of 255."""
+    return float(numpy.sqrt(numpy.mean((one - other) ** 2)))
+
+
+def test_a_preset_shows_after_the_cut_what_it_showed_before_and_speaks_of_nothing_that_is_gone(running, owner, scan):
+    data_set, content = scan
+    path = f"/v1/data-sets/{data_set}/presets"
+    imported = owner.http.post(f"{path}/xml", content=SLAB_XML, headers={"Content-Type": "application/xml"})
+    assert imported.status_code == 201, imported.text
+    preset = imported.json()
+    assert "behind the nose" in owner.http.get(f"/v1/presets/{preset['id']}/xml").text
+    # What could not be moved, as a later program may have written it.
+    running.psql("""INSERT INTO presets (id, data_set_id, author_id, name, scene, created_at, updated_at)
+                    VALUES (%s, %s, %s, 'of tomorrow', '{"holograms": [{"x": 62}]}', now(), now())""",
+                 str(uuid.uuid4()), data_set, owner.id)
+    before = preset_picture(running, owner, preset)
+    assert before.std() > 20, "there is something in the picture"
+    file = running.data_dir / "cache" / "presets" / preset["id"] / "picture.jpg"
+    old_jpeg = file.read_bytes()
+
+    assert ask(owner, data_set, content).status_code == 202
+    wait_cut(running, owner, data_set)
+    moved = owner.http.get(f"/v1/presets/{preset['id']}").json()
+    # The middle is 16 mm lower now, so every place is 16 mm higher.
+    assert moved["scene"]["camera"]["eye"] == pytest.approx({"x": 20, "y": -190, "z": 76})
+    assert moved["scene"]["camera"]["target"] == pytest.approx({"x": 4, "z": 1})
+    assert moved["scene"]["clip"]["boxLow"] == pytest.approx({"x": -30, "y": -30, "z": -14})
+    assert moved["scene"]["clip"]["boxHigh"] == pytest.approx({"x": 16, "y": 30, "z": 12})
+    assert moved["scene"]["lights"][1]["sphere"]["centre"] == pytest.approx({"x": -60, "y": -90, "z": 56})
+    xml = owner.http.get(f"/v1/presets/{preset['id']}/xml").text
+    assert "<z>76</z>" in xml and "<z>-14</z>" in xml and "nose" not in xml and "cut away" not in xml
+    assert running.psql("SELECT kept_xml, name FROM presets WHERE data_set_id = %s", data_set) == [(None, "Slab")]
+
+    after = preset_picture(running, owner, moved)
+    assert file.read_bytes() != old_jpeg, "it was made anew"
+    stayed = owner.http.post(path, json={"name": "Where it was", "scene": preset["scene"]}).json()
+    elsewhere = preset_picture(running, owner, stayed)
+    assert difference(before, after) < 6 < 18 < difference(before, elsewhere)
 
 
 def SCENE(owner, data_set: str) -> dict:  # noqa: N802

@@ -6,7 +6,8 @@ import copy
 import json
 
 import pytest
-from api_client import CONTRACT, api, client, make_ready, one, other, person, problem  # noqa: F401
+from api_client import CONTRACT, add_worker, api, client, make_ready, one, other, person, problem, remove_worker  # noqa: F401
+from who_may_world import put_picture
 
 SCENE = CONTRACT.spec["components"]["schemas"]["Scene"]["example"]
 XML = {"Content-Type": "application/xml"}
@@ -223,3 +224,156 @@ def one_good_xml(who, data_set: str) -> str:
 
 def test_xml_that_is_too_large_is_not_read(api, one, shown):  # noqa: F811
     problem(import_xml(one, shown, HEAD + " " * 300_000 + "</preset>"), 413, "body-too-large")
+
+
+def test_the_same_idempotency_key_makes_one_preset(api, one, other, shown):  # noqa: F811
+    from concurrent.futures import ThreadPoolExecutor
+
+    key = {"Idempotency-Key": "a-try-of-mine"}
+    path = f"/v1/data-sets/{shown}/presets"
+    body = {"name": "Once", "scene": SCENE}
+    with ThreadPoolExecutor(6) as pool:
+        answers = list(pool.map(lambda _: one.http.post(path, json=body, headers=key), range(6)))
+    assert {answer.status_code for answer in answers} == {201}
+    [made] = {answer.json()["id"] for answer in answers}
+    assert names(one, shown) == ["Once"]
+    problem(one.http.post(path, json=body | {"name": "Another"}, headers=key), 422, "idempotency-key-reused")
+    problem(one.http.post(f"/v1/data-sets/{private(api, one)}/presets", json=body, headers=key), 422, "idempotency-key-reused")
+    assert other.http.post(path, json=body, headers=key).json()["id"] != made   # keys are a person's own
+    xml = one.http.get(f"/v1/presets/{made}/xml").text
+    imported = [import_xml(other, shown, xml, **{"Idempotency-Key": "a-file"}).json()["id"] for _ in range(2)]
+    assert imported[0] == imported[1]
+    assert delete(one, answers[0].json()).status_code == 204
+    problem(one.http.post(path, json=body, headers=key), 409, "conflict")
+    problem(one.http.post(path, json=body, headers={"Idempotency-Key": "a b"}), 422, "invalid")
+
+
+def picture_of(who, preset: dict, data_set: str | None = None, **headers: str):
+    return who.http.get(f"/v1/data-sets/{data_set or preset['data_set_id']}/presets/{preset['id']}/thumbnail", headers=headers)
+
+
+def test_a_picture_is_there_for_whoever_may_read_the_preset_until_either_changes(api, one, other):  # noqa: F811
+    made = private(api, one)
+    preset = saved(one, made)
+    assert preset["pictured_at"] is None
+    problem(picture_of(one, preset), 404, "not-found")
+    file = put_picture(api, preset["id"])
+    answer = picture_of(one, preset)
+    assert answer.status_code == 200 and answer.content == b"\xff\xd8\xff" and "no-cache" in answer.headers["cache-control"]
+    assert picture_of(one, preset, **{"If-None-Match": answer.headers["etag"]}).status_code == 304
+    assert one.http.get(f"/v1/presets/{preset['id']}").json()["pictured_at"]
+    problem(picture_of(other, preset), 404, "not-found")
+    problem(picture_of(one, preset, data_set=private(api, one)), 404, "not-found")
+    assert one.http.get(f"/_cache/presets/{preset['id']}/picture.jpg").status_code == 404, "nobody gets at it but by the route"
+    one.http.post(f"/v1/data-sets/{made}/people", json={"email": other.email, "may": "view"})
+    assert picture_of(other, preset).status_code == 200
+    renamed = change(one, preset, {"name": "Renamed"}, preset["etag"]).json()
+    assert picture_of(one, preset).status_code == 200, "of the same scene"
+    changed = change(one, preset, {"scene": SCENE | {"bounces": 2}}, renamed["etag"]).json()
+    problem(picture_of(one, preset), 404, "not-found")
+    api.wait_until(lambda: not file.parent.exists(), what="the old picture's end")
+    put_picture(api, preset["id"])
+    file.unlink()   # a cache may lose what it has: then it is made anew
+    problem(picture_of(one, preset), 404, "not-found")
+    assert one.http.get(f"/v1/presets/{preset['id']}").json()["pictured_at"] is None
+    api.wait_until(lambda: not file.parent.exists(), what="the rest's end")
+    put_picture(api, preset["id"])
+    assert delete(one, changed).status_code == 204
+    api.wait_until(lambda: not file.parent.exists(), what="the picture's end")
+
+
+def test_a_picture_goes_with_the_data_set_and_with_its_authors_account(api, one, shown):  # noqa: F811
+    from api_client import PASSWORD, forget_attempts
+
+    author = person(api)
+    of_the_crowd, of_the_owner = saved(author, shown, "Theirs"), saved(one, shown, "Mine")
+    theirs, mine = (put_picture(api, preset["id"]) for preset in (of_the_crowd, of_the_owner))
+    forget_attempts(api)
+    assert author.http.post("/v1/me/deletion", json={"password": PASSWORD}).status_code == 204
+    api.wait_until(lambda: not theirs.parent.exists(), what="the end of the author's")
+    assert mine.exists()
+    assert one.http.delete(f"/v1/data-sets/{shown}").status_code == 204
+    api.wait_until(lambda: not mine.parent.exists(), what="the end of the data set's")
+
+
+def test_whoever_opens_the_scan_sees_the_owners_default_first(api, one, other, third, shown):  # noqa: F811
+    """What a new session begins with, as the worker is told it."""
+    import secrets
+
+    from stream_help import MESSAGES
+
+    add_worker(api, "presets-test", slots=64)
+
+    def first_scene(answer) -> dict | None:
+        assert answer.status_code == 201, answer.text
+        hexed = api.redis.eval("""local kept = redis.call('HGET', KEYS[1], 'scene') or ''
+                                  return (kept:gsub('.', function(c) return string.format('%02x', string.byte(c)) end))""",
+                               1, f"diaphane:session:{answer.json()['session_id']}")
+        return MESSAGES["Scene"].FromString(bytes.fromhex(hexed)) if hexed else None
+
+    def opened(who) -> dict | None:
+        return first_scene(who.http.post("/v1/sessions", json={"data_set_id": shown}))
+
+    link = one.http.post(f"/v1/data-sets/{shown}/links", json={"hours": 1}).json()["token"]
+
+    def visited() -> dict | None:
+        return first_scene(client(api).post("/v1/visits", json={"key": secrets.token_hex(32), "token": link}))
+
+    assert opened(one) is None and opened(other) is None and visited() is None
+    save(one, shown, "Not this one")
+    crowd = save(other, shown, "This one", SCENE | {"bounces": 9}).json()
+    one.http.post(f"/v1/data-sets/{shown}/people", json={"email": third.email, "may": "view"})
+    assert one.http.post(f"/v1/data-sets/{shown}/default-preset", json={"preset_id": crowd["id"]}).status_code == 204
+    first = [opened(one), opened(other), opened(third), visited()]
+    assert [scene.bounces for scene in first] == [9] * 4 and all(scene.camera.eye.y == -500 for scene in first)
+    # Of a session that is there nothing changes: it shows what it has become.
+    kept = one.http.post("/v1/sessions", json={"data_set_id": shown}, headers={"Idempotency-Key": "mine"}).json()["session_id"]
+    api.redis.hset(f"diaphane:session:{kept}", "scene", "as it is")
+    assert one.http.post(f"/v1/sessions/{kept}/tickets").status_code == 201
+    assert api.redis.hget(f"diaphane:session:{kept}", "scene") == "as it is"
+    assert delete(other, crowd).status_code == 204
+    assert opened(one) is None and visited() is None
+    remove_worker(api, "presets-test")
+
+
+def test_a_preset_that_offends_is_reported_and_taken_down(api, one, other, third, shown):  # noqa: F811
+    boss = person(api)
+    offending = saved(other, shown, "A bad word")
+    assert one.http.post(f"/v1/data-sets/{shown}/default-preset", json={"preset_id": offending["id"]}).status_code == 204
+    file = put_picture(api, offending["id"])
+    report = lambda who, **words: who.http.post(f"/v1/presets/{offending['id']}/reports", json={"reason": "offensive", **words})  # noqa: E731
+    for words in ("At first.", "Read its name."):
+        assert report(third, words=words).status_code == 204
+    problem(report(other), 403, "forbidden")   # one's own
+    problem(report(one), 403, "forbidden")     # its owner deletes it himself
+    down = lambda who: who.http.post(f"/v1/presets/{offending['id']}/take-down", json={"reason": "A slur."})  # noqa: E731
+    for who in (one, other, third):
+        problem(down(who), 403, "forbidden")
+    boss.becomes_administrator()
+    [seen] = [r for r in boss.http.get("/v1/reports").json()["items"] if r["data_set_id"] == shown]
+    assert (seen["preset_id"], seen["preset_name"], seen["words"], seen["taken_down"]) == (
+        offending["id"], "A bad word", "Read its name.", False)
+    assert third.email not in str(seen)
+
+    assert down(boss).status_code == 204
+    assert names(third, shown) == [] and names(one, shown) == [] and names(other, shown) == names(boss, shown) == ["A bad word"]
+    for path in ("", "/xml"):
+        problem(third.http.get(f"/v1/presets/{offending['id']}{path}"), 404, "not-found")
+        problem(one.http.get(f"/v1/presets/{offending['id']}{path}"), 404, "not-found")
+    problem(picture_of(third, offending), 404, "not-found")
+    told = other.http.get(f"/v1/presets/{offending['id']}").json()
+    assert told["taken_down"] == {"reason": "A slur."} and not told["is_default"] and file.exists()
+    problem(other.http.post(f"/v1/presets/{offending['id']}/vote", json={"value": 1}), 403, "forbidden")
+    problem(one.http.post(f"/v1/data-sets/{shown}/default-preset", json={"preset_id": offending["id"]}), 404, "not-found")
+    assert [r for r in boss.http.get("/v1/reports").json()["items"] if r["data_set_id"] == shown] == []
+    [entry] = api.psql("SELECT actor, action, subject, details::text FROM audit_log WHERE subject_id = %s", offending["id"])
+    assert entry[:3] == ("administrator", "preset.taken-down", "preset") and "slur" not in entry[3]
+    assert boss.http.delete(f"/v1/presets/{offending['id']}/take-down").status_code == 204
+    assert names(third, shown) == ["A bad word"]
+    # A report that was wrong is dismissed; what is private is none of an administrator's business.
+    report(third)
+    [again] = [r for r in boss.http.get("/v1/reports").json()["items"] if r["data_set_id"] == shown]
+    assert boss.http.delete(f"/v1/reports/{again['id']}").status_code == 204
+    one.http.post(f"/v1/data-sets/{shown}/visibility", json={"visibility": "private"})
+    problem(down(boss), 404, "not-found")
+    boss.is_no_administrator()

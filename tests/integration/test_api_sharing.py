@@ -296,3 +296,44 @@ def test_reported_and_taken_down_it_is_gone_for_all_but_its_owner(api, one, othe
     assert boss.http.delete(f"/v1/data-sets/{made}/take-down").status_code == 204
     problem(boss.http.get(f"/v1/data-sets/{made}"), 404, "not-found")   # private again: none of an administrator's business
     assert publish(one, made).status_code == 200
+
+
+def test_the_same_idempotency_key_makes_one_link_and_says_its_token_again(api, one, other):  # noqa: F811
+    from api_client import PASSWORD, Person
+
+    made = ready(api, one)
+    ask = lambda who, key, data_set=made, hours=1: who.http.post(  # noqa: E731
+        f"/v1/data-sets/{data_set}/links", json={"hours": hours}, headers={"Idempotency-Key": key})
+    first = ask(one, "k1")
+    assert first.status_code == 201 and ask(one, "k1").json() == first.json()
+    assert len(one.http.get(f"/v1/data-sets/{made}/links").json()["items"]) == 1
+    second = ask(one, "k2").json()
+    tokens = {first.json()["token"], second["token"], make_link(one, made)["token"], make_link(one, made)["token"]}
+    assert len(tokens) == 4
+    problem(ask(one, "k1", hours=2), 422, "idempotency-key-reused")
+    problem(ask(one, "k1", data_set=ready(api, one)), 422, "idempotency-key-reused")
+    # In another browser nobody can say the token: it is made of the cookie.
+    elsewhere = Person(api, one.email)
+    forget_attempts(api)
+    assert elsewhere.http.post("/v1/sign-in", json={"email": one.email, "password": PASSWORD}).status_code == 200
+    elsewhere.http.headers["X-CSRF-Token"] = elsewhere.http.get("/v1/me").json()["csrf_token"]
+    problem(ask(elsewhere, "k1"), 409, "conflict")
+    assert client(api).post("/v1/follow", json={"token": first.json()["token"]}).status_code == 200
+    # Ended, it does not come back; not even when the key was forgotten meanwhile.
+    assert one.http.delete(f"/v1/data-sets/{made}/links/{second['id']}").status_code == 204
+    problem(ask(one, "k2"), 409, "conflict")
+    api.psql("DELETE FROM idempotency_keys WHERE key = 'k1'")
+    problem(ask(one, "k1"), 409, "conflict")
+
+
+def test_the_same_idempotency_key_makes_one_link_to_a_session(api, one, worker):  # noqa: F811
+    session = session_of(one, ready(api, one))
+    ask = lambda key: one.http.post(f"/v1/sessions/{session}/links", headers={"Idempotency-Key": key})  # noqa: E731
+    first = ask("k")
+    assert first.status_code == 201
+    for _ in range(12):   # one link, of the 8 that there may be
+        assert ask("k").json() == first.json()
+    assert ask("another").json() != first.json()
+    assert one.http.delete(f"/v1/sessions/{session}/links").status_code == 204
+    problem(ask("k"), 409, "conflict")
+    assert ask("anew").status_code == 201

@@ -10,7 +10,8 @@ import zipfile
 from pathlib import Path
 
 from api_client import PASSWORD, Person, add_worker, api, forget_attempts, link_token, make_ready, person, problem, remove_worker  # noqa: F401
-from who_may_world import RECORDING
+from redis import Redis
+from who_may_world import RECORDING, SCENE, put_picture
 
 VOXELS = bytes(range(256)) * 40
 
@@ -39,6 +40,8 @@ def with_everything(stack) -> tuple[Person, str, str]:
     one.announce(10, **{"Idempotency-Key": "k"})
     one.http.post("/v1/recording-consent")
     one.http.post("/v1/recordings", json=RECORDING)
+    preset = one.http.post(f"/v1/data-sets/{ready}/presets", json={"name": f"Look of {one.email}", "scene": SCENE}).json()["id"]
+    put_picture(stack, preset, b"\xff\xd8 picture of " + preset.encode())
     add_worker(stack, "privacy")
     one.http.post("/v1/sessions", json={"data_set_id": ready})
     stack.redis.hincrby("diaphane:render_time", one.id, 1234)
@@ -63,6 +66,8 @@ def test_an_export_holds_everything_of_the_person_and_nothing_of_others(api):  #
     assert file.testzip() is None
     names = set(file.namelist())
     assert file.read(f"scans/{ready}/voxels.i16") == VOXELS and f"scans/{ready}/volume.json" in names
+    [(preset,)] = api.psql("SELECT id::text FROM presets WHERE data_set_id = %s", ready)
+    assert file.read(f"scans/{ready}/presets/{preset}.jpg") == b"\xff\xd8 picture of " + preset.encode()
     records = {name: json.loads(file.read(name)) for name in names if name.endswith(".json") and name.startswith("records/")}
     [account] = records["records/users.id.json"]
     assert account["email"] == one.email and "password_hash" not in account
@@ -117,14 +122,14 @@ def dump(stack) -> bytes:
 def redis_dump(stack, lasting: bool = False) -> bytes:
     """All of it; `lasting`: but for tickets and for what says to workers that a session was ended, gone within a minute."""
     found = b""
+    raw = Redis(**{**stack.redis.connection_pool.connection_kwargs, "decode_responses": False})  # scenes are no text
     for key in stack.redis.scan_iter("*"):
         passing = key.startswith("diaphane:ticket:") or key.endswith(":ended")
         if lasting and passing and 0 < stack.redis.ttl(key) <= 60:
             continue
         found += key.encode() + b"\n"
         kind = stack.redis.type(key)
-        read = {"hash": stack.redis.hgetall, "set": stack.redis.smembers, "string": stack.redis.get,
-                "zset": lambda k: stack.redis.zrange(k, 0, -1)}[kind]
+        read = {"hash": raw.hgetall, "set": raw.smembers, "string": raw.get, "zset": lambda k: raw.zrange(k, 0, -1)}[kind]
         found += str(read(key)).encode() + b"\n"
     return found
 
@@ -140,7 +145,14 @@ def test_a_deleted_account_leaves_nothing_behind(api):  # noqa: F811
         session = [one.http.post("/v1/sessions", json={"data_set_id": ready}).json()]
     watching = bystander.http.get("/v1/sessions").json()["items"]
     [(export,)] = api.psql("SELECT id::text FROM exports WHERE user_id = %s", me)
-    traces = [me, one.email, ready, unfinished, export, session[0]["session_id"]]
+    [(preset,)] = api.psql("SELECT id::text FROM presets WHERE author_id = %s", me)
+    # What one wrote of somebody else's scan; of what is left nobody can say who said it.
+    api.psql("UPDATE data_sets SET anonymised_at = now() WHERE id = %s", bystander_ready)
+    bystander.http.post(f"/v1/data-sets/{bystander_ready}/visibility", json={"visibility": "public"})
+    words = f"I am their neighbour {uuid.uuid4().hex}"
+    told = one.http.post(f"/v1/data-sets/{bystander_ready}/reports", json={"reason": "not_theirs", "words": words})
+    assert told.status_code == 204
+    traces = [me, one.email, ready, unfinished, export, session[0]["session_id"], preset, words]
     assert all(any(t.encode() in text for text in (dump(api), redis_dump(api), str(everything_on_disk(api.data_dir)).encode()))
                for t in traces), "the search finds each of them while it is there"
 
@@ -162,6 +174,7 @@ def test_a_deleted_account_leaves_nothing_behind(api):  # noqa: F811
         for form in (trace, trace.replace("-", ""), trace.upper()):
             for coding in ("utf-8", "utf-16-le"):
                 assert [place for place, text in places.items() if form.encode(coding) in text] == []
+    assert api.psql("SELECT reason, words, reporter_id FROM reports WHERE data_set_id = %s", bystander_ready) == [("not_theirs", "", None)]
     log = api.log("api") + api.log("edge")
     assert one.email not in log and me not in log
     # Nobody else has lost anything, and the address is free again.

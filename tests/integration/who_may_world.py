@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import uuid
+from pathlib import Path
 from typing import Any, Callable
 
 import httpx
@@ -106,6 +107,10 @@ class World:
             self.saved = self.owner.http.post(f"/v1/data-sets/{self.data_set_id()}/presets", json={"name": "a", "scene": SCENE}).json()["id"]
         return self.saved
 
+    def picture_preset(self) -> None:
+        """Its picture is there."""
+        put_picture(self.stack, self.preset_id())
+
     def report_id(self) -> str:
         self.publish()
         self.someone("other").http.post(f"/v1/data-sets/{self.data_set}/reports", json={"reason": "other"})
@@ -180,6 +185,17 @@ def write_person(psql: Callable[..., Any], email: str, password_hash: str, role:
     return made, token, csrf
 
 
+def put_picture(stack: TestStack, preset: str, content: bytes = b"\xff\xd8\xff") -> Path:
+    """What api keeps of a preset's picture once a worker has made it."""
+    file = stack.data_dir / "cache" / "presets" / preset / "picture.jpg"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_bytes(content)
+    for path in (file, file.parent, file.parent.parent):
+        stack.stack.run_as.own(path)
+    stack.psql("UPDATE presets SET pictured_at = now() WHERE id = %s", preset)
+    return file
+
+
 def stored(token: str) -> str:
     return hashlib.blake2b(token.encode(), digest_size=32).hexdigest()
 
@@ -221,6 +237,8 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "setDefaultPreset": lambda world, who: {"preset_id": world.preset_id()},
     "voteForPreset": lambda world, who: {"value": 1},
     "reportDataSet": lambda world, who: {"reason": "other"},
+    "reportPreset": lambda world, who: {"reason": "offensive"},
+    "takeDownPreset": lambda world, who: {"reason": "Its name offends."},
     "takeDownDataSet": lambda world, who: {"reason": "A name is on it."},
     "join": lambda world, who: {"token": world.owner.http.post(f"/v1/sessions/{world.session_id()}/links").json()["token"],
                                 "key": "0" * 64},
@@ -264,6 +282,10 @@ before: dict[str, Callable[[World, Person], None]] = {
     "reportDataSet": lambda world, who: world.publish(),
     "takeDownDataSet": lambda world, who: world.publish(),
     "restoreDataSet": lambda world, who: world.take_down(),
+    "getPresetThumbnail": lambda world, who: world.picture_preset(),
+    "reportPreset": lambda world, who: world.publish(),
+    "takeDownPreset": lambda world, who: world.publish(),
+    "restorePreset": lambda world, who: world.publish(),
 }
 
 

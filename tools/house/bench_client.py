@@ -145,7 +145,7 @@ def messages() -> dict[str, type]:
     for file in described.file:
         pool.Add(file)
     return {name: message_factory.GetMessageClass(pool.FindMessageTypeByName(f"diaphane.v1.{name}"))
-            for name in ("ClientMessage", "ServerMessage")}
+            for name in ("ClientMessage", "ServerMessage", "Scene")}
 
 
 def cranium(stack: Stack, folder: Path) -> Path:

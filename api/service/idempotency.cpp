@@ -1,0 +1,14 @@
+#include "api/service/idempotency.h"
+
+#include "api/service/secrets.h"
+#include "common/ids.h"
+
+namespace diaphane::api {
+
+std::string token_for(std::string_view what, const Once& once) {
+  if (once.key.empty() || once.browser.empty()) return random_hex(32);
+  // The cookie first, which has the 256 bits.
+  return blake2b(once.browser + "\n" + std::string(what) + "\n" + once.key);
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,82 @@
+#include "api/service/preset_pictures.h"
+
+#include <filesystem>
+
+#include "api/service/picture_file.h"
+#include "common/log.h"
+
+namespace diaphane::api {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Longer than a worker is asked for one (Stills), so that nobody begins the same beside it.
+constexpr std::chrono::seconds kLease{90};
+/// Until somebody is asked again after nobody answered.
+constexpr std::chrono::seconds kPause{10};
+
+std::string path_of(const std::string& preset_id) {
+  return "presets/" + preset_id + "/picture.jpg";
+}
+
+tl::unexpected<Problem> none_yet() {
+  return refuse(ProblemKind::kNotFound, "There is no picture of this preset yet.");
+}
+
+}  // namespace
+
+Outcome<std::string> PresetPictures::get(const Principal& who, const std::string& data_set_id,
+                                         const std::string& preset_id) {
+  const auto preset = presets_.find(who, preset_id);
+  if (!preset) return tl::unexpected(preset.error());
+  if (preset->data_set_id != data_set_id) {
+    return refuse(ProblemKind::kNotFound, "There is no such preset.");
+  }
+  const auto data_set = data_sets_.find_ready(who, data_set_id);
+  if (!data_set && data_set.error().kind == ProblemKind::kNotReady) return none_yet();
+  if (!data_set) return tl::unexpected(data_set.error());
+  if (!preset->pictured_at) return none_yet();
+  std::error_code error;
+  std::string path = path_of(preset_id);
+  if (!fs::exists(directory_ + "/" + path, error)) {
+    // A cache may lose what it has.
+    (void)store_.forget_picture(preset_id);
+    return none_yet();
+  }
+  return path;
+}
+
+bool PresetPictures::make_next() {
+  const auto next = store_.claim_picture(clock_.wall(), kLease);
+  if (!next || !*next) return false;
+  const PresetPicture& picture = **next;
+  StillRequest request;
+  request.data_set_id = picture.data_set_id;
+  request.scene = scene_bytes_(picture.scene);
+  request.width = request.height = kSize;
+  request.samples = kMostSamples;
+  request.error = kError;
+  request.background = true;
+  // Of another version: it stays without a picture, as it cannot be shown either.
+  if (request.scene.empty()) return true;
+  const auto jpeg = stills_.render(request);
+  if (!jpeg) {
+    if (jpeg.error().code != ErrorCode::kUnavailable) return true;
+    (void)store_.postpone_picture(picture.preset_id, clock_.wall() + kPause);
+    return false;
+  }
+  const auto kept = store_.keep_picture(picture, clock_.wall(), [&] {
+    return write_picture(directory_ + "/" + path_of(picture.preset_id), *jpeg);
+  });
+  if (!kept) log::warning("picture of a preset not kept", {{"preset", picture.preset_id}});
+  return kept.has_value();
+}
+
+Result<void> PresetPictures::remove(const std::string& preset_id) {
+  std::error_code error;
+  fs::remove_all(fs::path(directory_ + "/" + path_of(preset_id)).parent_path(), error);
+  if (error) return fail(ErrorCode::kUnavailable, "the picture cannot be removed");
+  return {};
+}
+
+}  // namespace diaphane::api

@@ -1,0 +1,82 @@
+"""Render time on real parts: who pays for which picture, who is stopped and how, and that nobody else notices."""
+
+from __future__ import annotations
+
+import pytest
+from api_client import CONTRACT, client, person, problem
+from stream_help import PROGRAMS, Viewer, open_session, store_ball
+
+SCENE = CONTRACT.spec["components"]["schemas"]["Scene"]["example"]
+KEY = "3" * 64
+
+
+@pytest.fixture(scope="module")
+def running(stack_house):
+    """Pictures that go on being rendered for as long as somebody looks."""
+    stack = stack_house.open(only=PROGRAMS, extra_env={"DIAPHANE_MAX_ERROR": "0.0001"})
+    yield stack
+    stack_house.shut(stack)
+
+
+def used(who) -> int:
+    """Milliseconds."""
+    return who.http.get("/v1/me").json()["render_time"]["used_ms"]
+
+
+def turn_until(running, viewers: list[Viewer], done) -> None:
+    """Each of them looks from elsewhere and gets a picture of it, until it is so."""
+    def go_on() -> bool:
+        for viewer in viewers:
+            seq = viewer.turn(3)
+            viewer.frame(condition=lambda frame, seq=seq: frame.input_seq >= seq, timeout=60)
+        return done()
+    running.wait_until(go_on, 120, "it")
+
+
+def test_who_has_used_up_his_time_is_stopped_and_told_why_and_nobody_else_notices(running, one, ball):
+    other = person(running)
+    theirs = store_ball(running, other)
+    running.psql("UPDATE users SET render_quota_ms = 1500 WHERE email = %s", one.email)
+    session, url = open_session(one, ball)
+    mine, other_view = Viewer(running.url, url), Viewer(running.url, open_session(other, theirs)[1])
+    turn_until(running, [mine, other_view], lambda: used(one) >= 1500)
+    spent = one.http.get("/v1/me").json()["render_time"]
+    assert spent["pictures_end_at"] is not None and spent["quota_ms"] == 1500
+    document = problem(one.http.post("/v1/sessions", json={"data_set_id": ball}), 403, "render-time-spent")
+    assert "used up" in document["detail"]
+    # In its grace the picture goes on.
+    turn_until(running, [mine], lambda: True)
+    running.psql("UPDATE render_time SET warned_at = now() - interval '10 minutes' WHERE user_id = %s", one.id)
+    assert mine.close_code(60) == 4404, "the session has ended"
+    problem(one.http.post(f"/v1/sessions/{session}/tickets"), 404, "not-found")
+    # The other's picture was neither ended nor charged for this.
+    turn_until(running, [other_view], lambda: used(other) > 0)
+    assert other.http.get("/v1/me").json()["render_time"]["pictures_end_at"] is None
+    other_view.leave()
+    running.psql("UPDATE users SET render_quota_ms = DEFAULT WHERE email = %s", one.email)
+
+
+def test_pictures_of_presets_and_what_visitors_look_at_cost_nobody_and_the_default_is_seen_first(running):
+    owner, payer = person(running), person(running)
+    scan = store_ball(running, owner)
+    preset = owner.http.post(f"/v1/data-sets/{scan}/presets", json={"name": "Mine", "scene": SCENE}).json()
+    path = f"/v1/data-sets/{scan}/presets/{preset['id']}/thumbnail"
+    picture = running.wait_until(lambda: (answer := owner.http.get(path)).status_code == 200 and answer, 120, "the picture")
+    assert picture.content[:2] == b"\xff\xd8" and picture.headers["etag"]
+    assert owner.http.get(path, headers={"If-None-Match": picture.headers["etag"]}).status_code == 304
+    owner.http.post(f"/v1/data-sets/{scan}/default-preset", json={"preset_id": preset["id"]})
+    link = owner.http.post(f"/v1/data-sets/{scan}/links", json={"hours": 1}).json()["token"]
+    came = client(running).post("/v1/visits", json={"token": link, "key": KEY})
+    assert came.status_code == 201, came.text
+    visitor = Viewer(running.url, came.json()["stream_url"])
+    assert visitor.config.scene.camera.eye.y == -500 and visitor.config.input_seq == 0
+    assert [c.name for c in visitor.config.scene.transfer_function.channels] == ["bone"]
+    first = visitor.frame()
+    assert first.input_seq == 0, "what is seen first is the default"
+    # Somebody's own picture, once it is counted, says that all before it would have been.
+    paying = Viewer(running.url, open_session(payer, store_ball(running, payer))[1])
+    turn_until(running, [visitor, paying], lambda: used(payer) > 0)
+    assert used(owner) == 0
+    assert running.psql("SELECT 1 FROM render_time WHERE user_id = %s", owner.id) == []
+    for viewer in (visitor, paying):
+        viewer.leave()
