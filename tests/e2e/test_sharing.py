@@ -114,6 +114,27 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     again.goto(f"{stack.url}/view/{scan}")
     expect(again.locator("[data-preset=muscle][aria-pressed=true]")).to_be_visible()
     again.close()
+    late = visit(small=True)
+    late.goto(link)
+    late.get_by_role("button", name="Look at it").click()
+    expect(late.locator("canvas[data-input-seq='0']")).to_be_visible(timeout=60_000)
+    expect(late.locator("[data-preset=muscle][aria-pressed=true]")).to_be_visible()
+    late.close()
+
+    # Each preset has its picture: in the list, and for everybody in the gallery, from where it opens.
+    anna.page.get_by_role("button", name="Saved presets").click()
+    shown = "The scan as Best of it shows it"
+    expect(anna.page.get_by_role("dialog").get_by_role("img", name=shown)).to_be_visible(timeout=180_000)
+    anna.page.screenshot(path=pictures / "presets-pictured.png")
+    anna.page.get_by_role("dialog").get_by_role("button", name="Close").click()
+    again = bert.page.context.new_page()
+    again.goto(f"{stack.url}/gallery")
+    crowd = again.locator(f"article[data-id='{scan}']").get_by_role("list", name="How people look at it")
+    expect(crowd.locator(f"img[alt='{shown}']")).to_be_visible(timeout=60_000)
+    again.screenshot(path=pictures / "gallery-crowd.png")
+    crowd.get_by_role("link", name="Show Best of it").click()
+    expect(again.locator("[data-preset=muscle][aria-pressed=true]")).to_be_visible(timeout=60_000)
+    again.close()
 
     # Taken back, everybody else is sent away at once.
     anna.page.get_by_role("button", name="Share this scan").click()

@@ -40,11 +40,6 @@ export async function problem_of(response: Response): Promise<ApiProblem> {
   );
 }
 
-/** 128 random bits in hexadecimal. `randomUUID` exists only in secure contexts. */
-export function random_key(): string {
-  return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
-}
-
 /** The REST contract, one function a route. Every function rejects with ApiProblem. */
 export class Api {
   private csrf_token_ = "";

@@ -1,7 +1,11 @@
+import { random_key } from "./random_key";
 import type { DataSet, DataSetLink, GalleryQuestion, Page, PresetInfo, Report, SavedPreset, SharedPerson, Visit } from "./types";
 
 /** Sends a request with the token of the sign-in; rejects with ApiProblem. */
 export type Send = (method: string, path: string, body?: unknown, init?: RequestInit) => Promise<Response>;
+
+/** Sent again by whatever lies on the way, it still makes one thing. */
+const once = () => ({ headers: { "Idempotency-Key": random_key() } });
 
 const read = async <T>(response: Promise<Response>): Promise<T> => (await (await response).json()) as T;
 
@@ -34,7 +38,7 @@ export class SharingApi {
   }
 
   make_link(id: string, hours: number): Promise<DataSetLink & { readonly path: string }> {
-    return read(this.send("POST", `/v1/data-sets/${id}/links`, { hours }));
+    return read(this.send("POST", `/v1/data-sets/${id}/links`, { hours }, once()));
   }
 
   async end_link(id: string, link: string): Promise<void> {
@@ -71,8 +75,10 @@ export class SharingApi {
     await this.send("DELETE", `/v1/reports/${report}`);
   }
 
-  async take_down(id: string, reason: string): Promise<void> {
-    await this.send("POST", `/v1/data-sets/${id}/take-down`, { reason });
+  /** What the report is about: the preset, or the scan. */
+  async take_down({ data_set_id, preset_id }: Report, reason: string): Promise<void> {
+    const what = preset_id === null ? `data-sets/${data_set_id}` : `presets/${preset_id}`;
+    await this.send("POST", `/v1/${what}/take-down`, { reason });
   }
 
   async public_name(): Promise<string> {
@@ -97,7 +103,7 @@ export class PresetsApi {
   }
 
   save(data_set: string, name: string, scene: object): Promise<SavedPreset> {
-    return read(this.send("POST", `/v1/data-sets/${data_set}/presets`, { name, scene, version: 1 }));
+    return read(this.send("POST", `/v1/data-sets/${data_set}/presets`, { name, scene, version: 1 }, once()));
   }
 
   change(preset: PresetInfo, what: { name?: string; scene?: object }): Promise<SavedPreset> {
@@ -118,7 +124,16 @@ export class PresetsApi {
 
   /** The exchange format (docs/presets.md). */
   import_xml(data_set: string, xml: Blob): Promise<SavedPreset> {
-    return read(this.send("POST", `/v1/data-sets/${data_set}/presets/xml`, xml, { headers: { "Content-Type": "application/xml" } }));
+    return read(this.send("POST", `/v1/data-sets/${data_set}/presets/xml`, xml, { headers: { ...once().headers, "Content-Type": "application/xml" } }));
+  }
+
+  /** 404 until it is there. */
+  async picture({ data_set_id, id }: PresetInfo, signal: AbortSignal): Promise<Blob> {
+    return (await this.send("GET", `/v1/data-sets/${data_set_id}/presets/${id}/thumbnail`, undefined, { signal })).blob();
+  }
+
+  async report(id: string, reason: string, words: string): Promise<void> {
+    await this.send("POST", `/v1/presets/${id}/reports`, { reason, words });
   }
 }
 

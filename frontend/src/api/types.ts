@@ -136,6 +136,9 @@ export interface Report {
   readonly data_set_id: string;
   /** Empty once it is private again. */
   readonly title: string;
+  /** What it is about; null: the data set itself. */
+  readonly preset_id: string | null;
+  readonly preset_name: string;
   readonly reason: string;
   readonly words: string;
   readonly taken_down: boolean;
@@ -155,6 +158,7 @@ export interface Page<T> {
 
 export interface PresetInfo {
   readonly id: string;
+  readonly data_set_id: string;
   readonly name: string;
   readonly author_name: string;
   readonly mine: boolean;
@@ -162,6 +166,10 @@ export interface PresetInfo {
   readonly votes: number;
   readonly my_vote: number;
   readonly etag: string;
+  /** By an administrator; then it is there for its author alone. */
+  readonly taken_down: { readonly reason: string } | null;
+  /** When its picture was made; null: there is none yet. */
+  readonly pictured_at: string | null;
 }
 
 /** With its scene, in Protobuf's JSON. */

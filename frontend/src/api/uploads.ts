@@ -1,6 +1,7 @@
 import { signal, type ReadonlySignal } from "@preact/signals";
 import { make_bundle } from "../scan/bundle";
-import { ApiProblem, random_key, type Api } from "./client";
+import { ApiProblem, type Api } from "./client";
+import { random_key } from "./random_key";
 import { OtherWindows } from "./other_windows";
 import { start_upload, type RunningUpload } from "./upload";
 import { forget_upload, remember_upload, remembered_upload, type RememberedUpload } from "./upload_memory";

@@ -1,4 +1,5 @@
-import { random_key, type Api } from "../api/client";
+import type { Api } from "../api/client";
+import { random_key } from "../api/random_key";
 import { guest_door, session_door, visit_door } from "../api/session_door";
 import type { Door } from "../protocol/stream_client";
 

@@ -80,6 +80,8 @@ export class ViewerSession {
   private session_id_: string | null;
   private viewport_: Viewport;
   private converged_epoch_ = -1;
+  /** What the session began with: the look that the scan's owner chose, or the volume's own. */
+  private first_scene_: Scene | null = null;
   private remembering_: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -225,9 +227,10 @@ export class ViewerSession {
     this.set_scene(pose ? with_camera(preset.scene, pose) : preset.scene, true);
   }
 
-  /** Somebody has turned it, or chosen how it is shown, in this session. */
-  get moved(): boolean {
-    return this.client_.input_seq > 0;
+  /** A look, from where it begins. */
+  begin_with(preset: Preset): void {
+    const pose = preset.scene && camera_of(preset.scene);
+    if (preset.scene) this.set_scene(pose ? with_camera(preset.scene, this.fitted(pose)) : preset.scene, true);
   }
 
   /** All of it: look, lights, cuts and where one looks from. */
@@ -266,9 +269,15 @@ export class ViewerSession {
   }
 
   private home(): CameraPose | null {
-    const preset = this.active_preset() ?? this.presets.value[0];
-    const pose = preset?.scene && camera_of(preset.scene);
-    return pose ? fitted_to_aspect(pose, this.viewport_.width / this.viewport_.height) : null;
+    const scene = this.scene.value;
+    const same = scene && this.first_scene_ && same_look(this.first_scene_, scene) ? this.first_scene_ : null;
+    const begun = same ?? (this.active_preset() ?? this.presets.value[0])?.scene;
+    const pose = begun && camera_of(begun);
+    return pose ? this.fitted(pose) : null;
+  }
+
+  private fitted(pose: CameraPose): CameraPose {
+    return fitted_to_aspect(pose, this.viewport_.width / this.viewport_.height);
   }
 
   private resized(size: Viewport): void {
@@ -295,6 +304,7 @@ export class ViewerSession {
     this.presets.value = config.presets;
     this.scene.value = config.scene ?? null;
     const untouched = !config.follower && config.inputSeq === 0n && this.client_.input_seq === 0;
+    if (untouched) this.first_scene_ = config.scene ?? null;
     const narrow = this.viewport_.width < this.viewport_.height;
     if (untouched && narrow) this.reset_camera();
     this.remember_soon();

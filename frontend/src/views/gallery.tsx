@@ -1,5 +1,5 @@
 import { useEffect, useState } from "preact/hooks";
-import { body_parts, type DataSet, type GalleryQuestion } from "../api/types";
+import { body_parts, type DataSet, type GalleryQuestion, type PresetInfo } from "../api/types";
 import { t } from "../texts/en";
 import { Choice } from "./choice";
 import { Field } from "./field";
@@ -9,7 +9,7 @@ import { Link } from "./router";
 import { title_of } from "./scan_card";
 import { Notice, PageTitle } from "./shell";
 import { useApp } from "./state";
-import { use_thumbnail } from "./thumbnail";
+import { PresetPicture, use_thumbnail } from "./thumbnail";
 
 const asked_after_typing_ms = 300;
 const all: GalleryQuestion = { q: "", body_part: "", modality: "" };
@@ -72,7 +72,10 @@ export function Gallery() {
         ))}
       </ul>
       {cursor !== null ? <p><button type="button" class="button" onClick={more}>{text.more}</button></p> : null}
-      {reported ? <ReportDialog set={reported} onClose={() => set_reported(null)} /> : null}
+      {reported ? (
+        <ReportDialog title={t.sharing.report.title} reasons={t.sharing.report.reasons} onClose={() => set_reported(null)}
+          send={(reason, words) => app.api.sharing.report(reported.id, reason, words)} />
+      ) : null}
     </div>
   );
 }
@@ -99,6 +102,7 @@ function GalleryCard({ set, known, onReport }: GalleryCardProps) {
         </p>
         {set.description ? <p class="card-description">{set.description}</p> : null}
         {set.owner_name ? <p class="muted">{text.by(set.owner_name)}</p> : null}
+        <CrowdPresets set={set} known={known} />
       </div>
       {known && !set.owned ? (
         <button type="button" class="icon-button card-remove" aria-label={text.report(title)} title={text.report(title)} onClick={onReport}>
@@ -106,5 +110,30 @@ function GalleryCard({ set, known, onReport }: GalleryCardProps) {
         </button>
       ) : null}
     </article>
+  );
+}
+
+const most_of_crowd = 4;
+
+/** The best of what people saved for a scan; each opens it so. Nothing where there is none. */
+function CrowdPresets({ set, known }: { readonly set: DataSet; readonly known: boolean }) {
+  const app = useApp();
+  const [presets, set_presets] = useState<readonly PresetInfo[]>([]);
+  useEffect(() => {
+    app.api.presets.list(set.id).then((all) => {
+      set_presets(all.filter((one) => one.taken_down === null).slice(0, most_of_crowd));
+    }, () => undefined); // the card is whole without them
+  }, [app, set.id]);
+  if (presets.length === 0) return null;
+  return (
+    <ul class="crowd" aria-label={t.presets.crowd}>
+      {presets.map((preset) => (
+        <li key={preset.id}>
+          {known ? (
+            <Link href={`/view/${set.id}#look=${preset.id}`} class="crowd-link" label={t.presets.apply(preset.name)}><PresetPicture preset={preset} /></Link>
+          ) : <PresetPicture preset={preset} />}
+        </li>
+      ))}
+    </ul>
   );
 }

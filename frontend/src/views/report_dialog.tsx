@@ -1,30 +1,37 @@
 import { useId, useState } from "preact/hooks";
-import type { DataSet } from "../api/types";
 import { t } from "../texts/en";
 import { Dialog } from "./dialog";
 import { Notice } from "./shell";
 import { useApp } from "./state";
 
-/** To the administrators: what is wrong with somebody's public scan. */
-export function ReportDialog({ set, onClose }: { readonly set: DataSet; readonly onClose: () => void }) {
+export interface ReportDialogProps {
+  readonly title: string;
+  /** By their words for the server. */
+  readonly reasons: Readonly<Record<string, string>>;
+  readonly send: (reason: string, words: string) => Promise<void>;
+  readonly onClose: () => void;
+}
+
+/** To the administrators: what is wrong with somebody's public scan, or with a preset for it. */
+export function ReportDialog({ title, reasons, send, onClose }: ReportDialogProps) {
   const app = useApp();
   const id = useId();
-  const [reason, set_reason] = useState("identifies");
+  const [reason, set_reason] = useState(Object.keys(reasons)[0] ?? "other");
   const [words, set_words] = useState("");
   const [fault, set_fault] = useState("");
   const [sent, set_sent] = useState(false);
   const text = t.sharing.report;
-  const send = () => {
-    app.api.sharing.report(set.id, reason, words).then(() => set_sent(true), (thrown: unknown) => set_fault(app.explain(thrown)));
+  const report = () => {
+    send(reason, words).then(() => set_sent(true), (thrown: unknown) => set_fault(app.explain(thrown)));
   };
   return (
-    <Dialog title={text.title} onClose={onClose}>
+    <Dialog title={title} onClose={onClose}>
       {sent ? <Notice kind="good">{text.sent}</Notice> : (
         <>
           <p class="muted">{text.lead}</p>
           <fieldset class="reasons">
-            <legend class="visually-hidden">{text.title}</legend>
-            {Object.entries(text.reasons).map(([one, name]) => (
+            <legend class="visually-hidden">{title}</legend>
+            {Object.entries(reasons).map(([one, name]) => (
               <label key={one}>
                 <input type="radio" name={`${id}-reason`} value={one} checked={one === reason} onChange={() => set_reason(one)} />
                 {name}
@@ -40,7 +47,7 @@ export function ReportDialog({ set, onClose }: { readonly set: DataSet; readonly
       )}
       <div class="dialog-buttons">
         <button type="button" class="button" onClick={onClose}>{sent ? t.close : t.cancel}</button>
-        {sent ? null : <button type="button" class="button button-danger" onClick={send}>{text.send}</button>}
+        {sent ? null : <button type="button" class="button button-danger" onClick={report}>{text.send}</button>}
       </div>
     </Dialog>
   );

@@ -1,5 +1,6 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { ApiProblem, random_key } from "../api/client";
+import { ApiProblem } from "../api/client";
+import { random_key } from "../api/random_key";
 import type { DataSet } from "../api/types";
 import { visit_place } from "../live/place";
 import { t } from "../texts/en";

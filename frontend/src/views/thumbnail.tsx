@@ -1,6 +1,7 @@
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { ApiProblem } from "../api/client";
-import { preset_names, type PresetName } from "../api/types";
+import { preset_names, type PresetInfo, type PresetName } from "../api/types";
+import { t } from "../texts/en";
 import { useApp } from "./state";
 
 /** Each picture is rendered when first asked for: one after the other, so that the view itself does not wait. */
@@ -15,13 +16,20 @@ function in_turn<T>(task: () => Promise<T>): Promise<T> {
 const longest_wait_ms = 8000;
 const most_tries = 60;
 
+/** Whether it is worth asking again for a picture. */
+type Later = (problem: ApiProblem) => boolean;
+const busy: Later = ({ status }) => status === 0 || status === 429 || status >= 500;
+/** A preset's picture is made in the background: until then there is none. */
+const not_yet: Later = (problem) => problem.status === 404 || busy(problem);
+
 /**
- * The address of a data set's picture under a preset; nothing while it is being made: it is asked for again.
- * Through `fetch`, as an <img> cannot ask again when a renderer is not there yet.
+ * The address of a picture; nothing while it is being made: it is asked for again, as it is when `name` changes.
+ * Through `fetch`, as an <img> cannot ask again when there is none yet.
  */
-export function use_thumbnail(data_set_id: string, preset: PresetName, wanted: boolean): string | null {
-  const app = useApp();
+function use_picture(name: string, wanted: boolean, later: Later, load: (signal: AbortSignal) => Promise<Blob>): string | null {
   const [url, set_url] = useState<string | null>(null);
+  const newest = useRef(load);
+  newest.current = load;
   useEffect(() => {
     if (!wanted) return;
     const leaving = new AbortController();
@@ -29,12 +37,12 @@ export function use_thumbnail(data_set_id: string, preset: PresetName, wanted: b
     let timer: ReturnType<typeof setTimeout> | undefined;
     const ask = async (tries: number): Promise<void> => {
       try {
-        const picture = await in_turn(() => app.api.thumbnail(data_set_id, preset, leaving.signal));
+        const picture = await in_turn(() => newest.current(leaving.signal));
         made = URL.createObjectURL(picture);
         set_url(made);
       } catch (thrown) {
-        const later = thrown instanceof ApiProblem && (thrown.status === 0 || thrown.status === 429 || thrown.status >= 500);
-        if (leaving.signal.aborted || !later || tries > most_tries) return;
+        const again = thrown instanceof ApiProblem && later(thrown);
+        if (leaving.signal.aborted || !again || tries > most_tries) return;
         timer = setTimeout(() => void ask(tries + 1), Math.max(thrown.retry_after_ms, Math.min(longest_wait_ms, 1000 * (tries + 1))));
       }
     };
@@ -42,10 +50,41 @@ export function use_thumbnail(data_set_id: string, preset: PresetName, wanted: b
     return () => {
       leaving.abort();
       clearTimeout(timer);
+      set_url(null);
       if (made !== null) URL.revokeObjectURL(made);
     };
-  }, [app, data_set_id, preset, wanted]);
+  }, [name, wanted, later]);
   return url;
+}
+
+/** A data set's picture under a look that every scan has. */
+export function use_thumbnail(data_set_id: string, preset: PresetName, wanted: boolean): string | null {
+  const app = useApp();
+  return use_picture(`${data_set_id} ${preset}`, wanted, busy, (signal) => app.api.thumbnail(data_set_id, preset, signal));
+}
+
+/** What a saved preset shows: asked for once it comes into sight. */
+export function PresetPicture({ preset }: { readonly preset: PresetInfo }) {
+  const app = useApp();
+  const place = useRef<HTMLSpanElement>(null);
+  const [seen, set_seen] = useState(false);
+  useEffect(() => {
+    const element = place.current;
+    if (!element) return;
+    const watch = new IntersectionObserver((entries) => {
+      if (!entries.some((entry) => entry.isIntersecting)) return;
+      set_seen(true);
+      watch.disconnect();
+    });
+    watch.observe(element);
+    return () => watch.disconnect();
+  }, []);
+  const url = use_picture(`${preset.id} ${preset.etag}`, seen, not_yet, (signal) => app.api.presets.picture(preset, signal));
+  return (
+    <span class={`saved-picture${url ? "" : " card-working"}`} ref={place}>
+      {url ? <img src={url} alt={t.presets.picture(preset.name)} width={320} height={320} draggable={false} /> : null}
+    </span>
+  );
 }
 
 /**

@@ -49,7 +49,7 @@ function Chooser({ session, data_set_id, onConfirm, volume, facts }: ChooserProp
     skin.current = true;
     // Skin is what others would know somebody by.
     const look = session.presets.value.find((preset) => preset.name === "skin");
-    if (look) session.apply_preset(look);
+    if (look) session.begin_with(look);
     show(session, region, true);
   }, [session, region]);
 

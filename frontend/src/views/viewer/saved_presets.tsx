@@ -8,8 +8,10 @@ import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
 import { Field } from "../field";
 import { Icon } from "../icons";
+import { ReportDialog } from "../report_dialog";
 import { Notice } from "../shell";
 import { useApp } from "../state";
+import { PresetPicture } from "../thumbnail";
 
 const most_file_bytes = 256 * 1024;
 
@@ -103,7 +105,7 @@ interface PresetRowProps {
 
 function PresetRow({ preset, session, set, act, current }: PresetRowProps) {
   const app = useApp();
-  const [asking, set_asking] = useState<"rename" | "remove" | null>(null);
+  const [asking, set_asking] = useState<"rename" | "remove" | "report" | null>(null);
   const [name, set_name] = useState(preset.name);
   const text = t.presets;
   const api = app.api.presets;
@@ -140,6 +142,7 @@ function PresetRow({ preset, session, set, act, current }: PresetRowProps) {
   return (
     <li data-preset-id={preset.id}>
       <div class="saved-head">
+        <PresetPicture preset={preset} />
         <button type="button" class="saved-name" aria-label={text.apply(preset.name)} onClick={apply}>{preset.name}</button>
         {preset.is_default ? <span class="chip chip-accent">{text.is_default}</span> : null}
         <small class="muted">{preset.mine ? text.mine : preset.author_name ? text.by(preset.author_name) : ""}</small>
@@ -151,11 +154,13 @@ function PresetRow({ preset, session, set, act, current }: PresetRowProps) {
           </span>
         ) : null}
       </div>
+      {preset.taken_down ? <Notice kind="bad">{text.taken_down(preset.taken_down.reason)}</Notice> : null}
       <div class="saved-acts">
         {preset.mine ? small(text.rename, text.rename_of(preset.name), () => set_asking("rename")) : null}
         {preset.mine ? small(text.overwrite, text.overwrite_of(preset.name), overwrite) : null}
         {set.owned ? small(preset.is_default ? text.unset_default : text.set_default, (preset.is_default ? text.unset_default_of : text.set_default_of)(preset.name), set_default) : null}
         <a class="button button-small" href={preset_xml_path(preset.id)} download={`${preset.name}.xml`} aria-label={text.export_of(preset.name)}>{text.export}</a>
+        {set.is_public && !set.owned && !preset.mine ? small(text.report, text.report_of(preset.name), () => set_asking("report")) : null}
         {preset.mine || set.owned ? small(text.remove, text.remove_of(preset.name), () => set_asking("remove")) : null}
       </div>
       {asking === "rename" ? (
@@ -168,6 +173,10 @@ function PresetRow({ preset, session, set, act, current }: PresetRowProps) {
           <button type="button" class="button" onClick={() => set_asking(null)}>{t.cancel}</button>
         </form>
       ) : null}
+      {asking === "report" ? (
+        <ReportDialog title={t.sharing.report.title_preset(preset.name)} reasons={t.sharing.report.reasons_preset} onClose={() => set_asking(null)}
+          send={(reason, words) => api.report(preset.id, reason, words)} />
+      ) : null}
       {asking === "remove" ? (
         <div class="share-form">
           <p role="alert">{text.remove_sure(preset.name)}</p>
@@ -179,21 +188,20 @@ function PresetRow({ preset, session, set, act, current }: PresetRowProps) {
   );
 }
 
-/** A scan that is opened for the first time is shown as its owner chose. */
-export function DefaultPreset({ session, data_set_id }: { readonly session: ViewerSession; readonly data_set_id: string }) {
+const look = /^#look=([0-9a-f-]{36})$/;
+
+/** The address may say with which preset the scan is to be shown: a link of the gallery. */
+export function WantedPreset({ session }: { readonly session: ViewerSession }) {
   const app = useApp();
-  const asked = useRef(false);
-  const ready = session.scene.value !== null && session.presets.value.length > 0;
+  const ready = session.scene.value !== null;
   useEffect(() => {
-    if (!ready || asked.current) return;
-    asked.current = true;
-    if (session.moved) return;
-    const show = async (): Promise<void> => {
-      const chosen = (await app.api.presets.list(data_set_id)).find((one) => one.is_default);
-      const scene = chosen && scene_from_json(JSON.stringify((await app.api.presets.get(chosen.id)).scene));
-      if (scene && !session.moved) session.show_scene(scene);
-    };
-    void show().catch(() => undefined); // the picture is there without it
-  }, [app, data_set_id, ready]);
+    const wanted = ready ? look.exec(location.hash)?.[1] : undefined;
+    if (wanted === undefined) return;
+    history.replaceState(null, "", location.pathname); // a reload shows what the picture has become since
+    app.api.presets.get(wanted).then((preset) => {
+      const scene = scene_from_json(JSON.stringify(preset.scene));
+      if (scene) session.show_scene(scene);
+    }, () => undefined); // the picture is there without it
+  }, [app, session, ready]);
   return null;
 }

@@ -25,7 +25,7 @@ import { PictureTimeLine } from "./picture_time";
 import { Presets } from "./presets";
 import { QualityPanel } from "./quality_panel";
 import { RecordedInteraction, RecordingDialog } from "./recording";
-import { DefaultPreset, SavedPresets } from "./saved_presets";
+import { SavedPresets, WantedPreset } from "./saved_presets";
 import { ShareDialog } from "./share_dialog";
 import { StatusLine } from "./status_line";
 
@@ -185,7 +185,7 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
       {open === "share" && session ? <ShareDialog session={session} role={role} owner={own} onClose={() => set_open(null)} /> : null}
       {open === "scan" && set ? <ShareScanDialog set={set} onChange={onChange} onClose={() => set_open(null)} /> : null}
       {open === "presets" && set && session ? <SavedPresets session={session} set={set} onClose={() => set_open(null)} /> : null}
-      {session && place.data_set_id !== null && role.presents && !onCut ? <DefaultPreset session={session} data_set_id={place.data_set_id} /> : null}
+      {session && place.data_set_id !== null && role.presents && !onCut ? <WantedPreset session={session} /> : null}
       {open === "recording" ? <RecordingDialog onClose={() => set_open(null)} /> : null}
       {own && session ? <RecordedInteraction session={session} /> : null}
     </div>
