@@ -277,9 +277,9 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   front.add(data_set_routes(data_sets, thumbnails));
   front.add(upload_routes(uploads, data_sets));
   front.add(session_routes(sessions));
-  front.add(live_routes(live_links));
+  front.add(live_routes(live_links, front));
   front.add(recording_routes(recordings));
-  front.add(sharing_routes(sharing));
+  front.add(sharing_routes(sharing, front));
   front.add(anonymise_routes(anonymise));
   front.add(visit_routes(visits));
   front.add(preset_routes(presets, preset_pictures));

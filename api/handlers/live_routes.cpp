@@ -4,9 +4,10 @@
 
 namespace diaphane::api {
 
-std::vector<Route> live_routes(LiveLinks& links) {
-  const auto make = [&links](const Request& request, const Principal& who) -> Outcome<Response> {
-    const auto once = once_of(request);
+std::vector<Route> live_routes(LiveLinks& links, const Front& front) {
+  const auto make = [&links, &front](const Request& request,
+                                     const Principal& who) -> Outcome<Response> {
+    const auto once = once_of(request, front);
     if (!once) return tl::unexpected(once.error());
     const auto token = links.make(who, request.parameter("session_id"), *once);
     if (!token) return tl::unexpected(token.error());

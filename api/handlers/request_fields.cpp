@@ -286,10 +286,10 @@ Outcome<std::string> idempotency_key(const Request& request) {
   return std::string(key);
 }
 
-Outcome<Once> once_of(const Request& request) {
+Outcome<Once> once_of(const Request& request, const Front& front) {
   auto key = idempotency_key(request);
   if (!key) return tl::unexpected(key.error());
-  return Once{*std::move(key), Front::token_of(request)};
+  return Once{*std::move(key), front.token_of(request)};
 }
 
 }  // namespace diaphane::api

@@ -91,7 +91,8 @@ std::optional<std::chrono::system_clock::time_point> time_of(const std::string& 
 
 /// The header, or empty when absent; kInvalid for what no key may be.
 Outcome<std::string> idempotency_key(const Request& request);
-/// The same, with what makes a secret the same again.
-Outcome<Once> once_of(const Request& request);
+/// The same, with what makes a secret the same again: the cookie.
+class Front;
+Outcome<Once> once_of(const Request& request, const Front& front);
 
 }  // namespace diaphane::api

@@ -35,8 +35,8 @@ std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails);
 /// An upload that is created by tus announces a data set, as POST /v1/data-sets does.
 std::vector<Route> upload_routes(Uploads& uploads, DataSets& data_sets);
 std::vector<Route> session_routes(Sessions& sessions);
-std::vector<Route> live_routes(LiveLinks& links);
-std::vector<Route> sharing_routes(Sharing& sharing);
+std::vector<Route> live_routes(LiveLinks& links, const Front& front);
+std::vector<Route> sharing_routes(Sharing& sharing, const Front& front);
 std::vector<Route> anonymise_routes(Anonymise& anonymise);
 std::vector<Route> visit_routes(Visits& visits);
 std::vector<Route> preset_routes(Presets& presets, PresetPictures& pictures);

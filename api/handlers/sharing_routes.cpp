@@ -88,14 +88,15 @@ std::vector<Route> people_routes(Sharing& sharing) {
   };
 }
 
-std::vector<Route> link_routes(Sharing& sharing) {
+std::vector<Route> link_routes(Sharing& sharing, const Front& front) {
   const auto list = [&sharing](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto found = sharing.links(who, request.parameter("data_set_id"));
     if (!found) return tl::unexpected(found.error());
     return list_response(*found);
   };
-  const auto make = [&sharing](const Request& request, const Principal& who) -> Outcome<Response> {
-    const auto once = once_of(request);
+  const auto make = [&sharing, &front](const Request& request,
+                                       const Principal& who) -> Outcome<Response> {
+    const auto once = once_of(request, front);
     if (!once) return tl::unexpected(once.error());
     Fields in(request);
     const std::chrono::hours life(in.integer("hours", 1, kLongestLink));
@@ -123,7 +124,7 @@ std::vector<Route> link_routes(Sharing& sharing) {
 
 }  // namespace
 
-std::vector<Route> sharing_routes(Sharing& sharing) {
+std::vector<Route> sharing_routes(Sharing& sharing, const Front& front) {
   const auto browse = [&sharing](const Request& request, const Principal& who) {
     return gallery(sharing, request, who);
   };
@@ -167,7 +168,7 @@ std::vector<Route> sharing_routes(Sharing& sharing) {
       {"GET", "/v1/me/public-name", "getPublicName", Access::kPerson, get_name, {}},
       {"PATCH", "/v1/me/public-name", "setPublicName", Access::kPerson, set_name, {}},
   };
-  for (auto more : {people_routes(sharing), link_routes(sharing)}) {
+  for (auto more : {people_routes(sharing), link_routes(sharing, front)}) {
     routes.insert(routes.end(), more.begin(), more.end());
   }
   return routes;

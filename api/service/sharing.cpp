@@ -98,8 +98,8 @@ Outcome<Sharing::NewLink> Sharing::make_link(const Principal& who, const std::st
     key = IdempotencyKey{"createDataSetLink", once.key,
                          blake2b(id + "\n" + std::to_string(life.count()))};
   }
-  const auto made =
-      parts_.store.make_link(id, wanted.link, blake2b(wanted.token), options_.links, who.user_id, key);
+  const auto made = parts_.store.make_link(id, wanted.link, blake2b(wanted.token), options_.links,
+                                           who.user_id, key);
   if (!made && made.error().code == ErrorCode::kConflict) {
     return refuse(ProblemKind::kConflict,
                   "What this key made was ended, or is known to another browser alone. Make "
