@@ -117,9 +117,8 @@ void Runner::adopt() {
   for (StillJob& job : arriving_stills_) {
     const auto before = job.background
                             ? stills_.end()
-                            : std::find_if(stills_.begin(), stills_.end(), [](const auto& still) {
-                                return still->job.background;
-                              });
+                            : std::find_if(stills_.begin(), stills_.end(),
+                                           [](const auto& still) { return still->job.background; });
     stills_.insert(before, std::make_shared<Still>(Still{std::move(job)}));
   }
   arriving_stills_.clear();

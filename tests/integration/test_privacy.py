@@ -127,8 +127,10 @@ def redis_dump(stack, lasting: bool = False) -> bytes:
         passing = key.startswith("diaphane:ticket:") or key.endswith(":ended")
         if lasting and passing and 0 < stack.redis.ttl(key) <= 60:
             continue
-        found += key.encode() + b"\n"
         kind = stack.redis.type(key)
+        if kind == "none":
+            continue  # gone since
+        found += key.encode() + b"\n"
         read = {"hash": raw.hgetall, "set": raw.smembers, "string": raw.get, "zset": lambda k: raw.zrange(k, 0, -1)}[kind]
         found += str(read(key)).encode() + b"\n"
     return found
