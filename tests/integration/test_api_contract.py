@@ -12,6 +12,7 @@ import pytest
 from api_client import (CONTRACT, PASSWORD, add_worker, api, client, forget_attempts, link_token, make_ready, one, person,  # noqa: F401
                         problem, remove_worker)
 from cut_help import KEEP, store
+from who_may_world import put_picture
 
 OPERATIONS = list(CONTRACT.operations())
 WITH_BODY = [o for o in OPERATIONS if "application/json" in str(CONTRACT.resolve(o[2].get("requestBody", {})))]
@@ -39,7 +40,8 @@ def boss(api):  # noqa: F811
     made.is_no_administrator()
 
 
-FOR_ADMINISTRATORS = {"listUsers", "getUser", "changeUser", "listAudit", "getFleet", "takeDownDataSet", "restoreDataSet", "listReports", "dismissReport"}
+FOR_ADMINISTRATORS = {"listUsers", "getUser", "changeUser", "listAudit", "getFleet", "takeDownDataSet", "restoreDataSet", "takeDownPreset",
+                      "restorePreset", "listReports", "dismissReport"}
 
 
 def caller(one, boss, operation):
@@ -187,13 +189,14 @@ def administrators_ways(one) -> None:
     one.http.patch(f"/v1/admin/users/{one.id}", json={"quota_bytes": 10**9})
 
 
-def preset_ways(one, data_set: str) -> None:
+def preset_ways(stack, one, data_set: str) -> None:
     presets = f"/v1/data-sets/{data_set}/presets"
     saved = one.http.post(presets, json={"name": "a", "scene": CONTRACT.spec["components"]["schemas"]["Scene"]["example"]})
     preset = f"/v1/presets/{saved.json()['id']}"
     xml = one.http.get(f"{preset}/xml").content
     one.http.post(f"{presets}/xml", content=xml, headers={"Content-Type": "application/xml"})
-    for path in (presets, preset):
+    put_picture(stack, saved.json()["id"])
+    for path in (presets, preset, f"{presets}/{saved.json()['id']}/thumbnail"):
         one.http.get(path)
     one.http.post(f"/v1/data-sets/{data_set}/default-preset", json={"preset_id": saved.json()["id"]})
     one.http.post(f"{preset}/vote", json={"value": 1})
@@ -202,10 +205,15 @@ def preset_ways(one, data_set: str) -> None:
 
 
 def report_ways(stack, data_set: str) -> None:
-    """The data set is public before and after."""
+    """The data set is public before; who took it down has lifted that after."""
     boss, other = person(stack).becomes_administrator(), person(stack)
     boss.http.post(f"/v1/data-sets/{data_set}/reports", json={"reason": "other", "words": "twice"})
     other.http.post(f"/v1/data-sets/{data_set}/reports", json={"reason": "identifies"})
+    theirs = other.http.post(f"/v1/data-sets/{data_set}/presets", json={
+        "name": "theirs", "scene": CONTRACT.spec["components"]["schemas"]["Scene"]["example"]}).json()["id"]
+    boss.http.post(f"/v1/presets/{theirs}/reports", json={"reason": "offensive"})
+    boss.http.post(f"/v1/presets/{theirs}/take-down", json={"reason": "A slur."})
+    boss.http.delete(f"/v1/presets/{theirs}/take-down")
     reports = boss.http.get("/v1/reports").json()["items"]
     boss.http.delete(f"/v1/reports/{reports[0]['id']}")
     boss.http.post(f"/v1/data-sets/{data_set}/take-down", json={"reason": "A name is on it."})
@@ -234,7 +242,7 @@ def test_every_operation_of_the_contract_succeeds_somewhere(api, one, boss):  # 
     one.http.post(f"/v1/data-sets/{made}/people", json={"email": "friend@example.org", "may": "view"})
     people = one.http.get(f"/v1/data-sets/{made}/people").json()["items"]
     one.http.delete(f"/v1/data-sets/{made}/people/{people[0]['id']}")
-    preset_ways(one, made)
+    preset_ways(api, one, made)
     one.http.get(f"/v1/data-sets/{made}/anonymise")
     to_cut = one.data_set(100)["data_set"]["id"]
     make_ready(api, to_cut)
