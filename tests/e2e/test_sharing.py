@@ -130,6 +130,7 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     again = bert.page.context.new_page()
     again.goto(f"{stack.url}/gallery")
     crowd = again.locator(f"article[data-id='{scan}']").get_by_role("list", name="How people look at it")
+    crowd.scroll_into_view_if_needed(timeout=60_000)  # a picture is asked for once it is in sight
     expect(crowd.locator(f"img[alt='{shown}']")).to_be_visible(timeout=60_000)
     again.screenshot(path=pictures / "gallery-crowd.png")
     crowd.get_by_role("link", name="Show Best of it").click()
