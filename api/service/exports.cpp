@@ -86,8 +86,8 @@ Result<std::int64_t> Exports::write(const ExportStore::Job& job, const std::stri
   const auto volumes = store_.volumes(job.user_id);
   if (!volumes) return tl::unexpected(volumes.error());
   // What was deleted since is not held any more.
-  const auto add = [&](const std::string& name, const std::string& path) -> Result<void> {
-    auto done = (*file)->add_file(name, path);
+  const auto add = [&](const std::string& name, const std::string& source) -> Result<void> {
+    auto done = (*file)->add_file(name, source);
     if (!done && done.error().code != ErrorCode::kNotFound) return done;
     return {};
   };
