@@ -6,6 +6,7 @@ import { AccountFrame } from "./account_frame";
 import { CodeField } from "./code_field";
 import { Field } from "./field";
 import { Form, fault, faults_of, type Faults } from "./form";
+import { useMailedToken } from "./mailed_link";
 import { NewPassword } from "./new_password";
 import { Link, navigate } from "./router";
 import { Notice } from "./shell";
@@ -154,20 +155,10 @@ function SignInCode({ email, password, onBack }: SignInCodeProps) {
 
 export function Verify({ token }: { readonly token: string }) {
   const app = useApp();
-  const [outcome, set_outcome] = useState<{ ok: boolean; text: string } | null>(null);
-  useEffect(() => {
-    // The token is used up in a moment; it need not stay in the address and the history.
-    history.replaceState(null, "", "/verify");
-    if (token === "") {
-      set_outcome({ ok: false, text: t.account.verify_no_token });
-      return;
-    }
-    app.api.verify(token).then(
-      () => set_outcome({ ok: true, text: t.account.verified }),
-      (thrown: unknown) => set_outcome({ ok: false, text: app.explain(thrown) }),
-    );
-  }, [app, token]);
-
+  const outcome = useMailedToken(token, "/verify", async (mailed) => {
+    await app.api.verify(mailed);
+    return t.account.verified;
+  });
   if (!outcome)
     return <AccountFrame title={t.titles.verify}><p class="muted" role="status">{t.account.verifying}</p></AccountFrame>;
   return (

@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useId, useRef } from "preact/hooks";
 import { focus_title } from "./shell";
 
 export interface DialogProps {
@@ -11,6 +11,7 @@ export interface DialogProps {
 /** Modal: the browser keeps the focus inside, closes on Escape and gives the focus back. */
 export function Dialog({ title, onClose, children }: DialogProps) {
   const dialog = useRef<HTMLDialogElement>(null);
+  const title_id = useId(); // one dialog may be opened from another
   useEffect(() => {
     const element = dialog.current;
     const before = document.activeElement;
@@ -24,7 +25,7 @@ export function Dialog({ title, onClose, children }: DialogProps) {
   return (
     <dialog
       ref={dialog}
-      aria-labelledby="dialog-title"
+      aria-labelledby={title_id}
       onCancel={(event) => {
         event.preventDefault();
         onClose();
@@ -34,7 +35,7 @@ export function Dialog({ title, onClose, children }: DialogProps) {
       }}
     >
       <div class="dialog-body">
-        <h2 id="dialog-title">{title}</h2>
+        <h2 id={title_id}>{title}</h2>
         {children}
       </div>
     </dialog>

@@ -4,6 +4,7 @@ import { looks_like_email } from "./account";
 import { AccountFrame } from "./account_frame";
 import { Field } from "./field";
 import { Form, fault, faults_of, type Faults } from "./form";
+import { useMailedToken } from "./mailed_link";
 import { NewPassword } from "./new_password";
 import { Link } from "./router";
 import { Notice } from "./shell";
@@ -103,21 +104,11 @@ export function Reset({ token }: { readonly token: string }) {
 /** Where the link mailed to a new address leads. */
 export function ConfirmEmail({ token }: { readonly token: string }) {
   const app = useApp();
-  const [outcome, set_outcome] = useState<{ ok: boolean; text: string } | null>(null);
-  useEffect(() => {
-    history.replaceState(null, "", "/confirm-email");
-    if (token === "") {
-      set_outcome({ ok: false, text: t.account.verify_no_token });
-      return;
-    }
-    app.api.confirm_email(token).then(
-      () => {
-        set_outcome({ ok: true, text: t.account.email_changed });
-        void app.load();
-      },
-      (thrown: unknown) => set_outcome({ ok: false, text: app.explain(thrown) }),
-    );
-  }, [app, token]);
+  const outcome = useMailedToken(token, "/confirm-email", async (mailed) => {
+    await app.api.confirm_email(mailed);
+    void app.load();
+    return t.account.email_changed;
+  });
   if (!outcome)
     return <AccountFrame title={t.titles.confirm_email}><p class="muted" role="status">{t.account.confirming_email}</p></AccountFrame>;
   return (
