@@ -4,7 +4,7 @@
 --       most placed sessions of a person, most remembered sessions of a person,
 --       then of a guest, or empty of the owner: participant, name, hash of the link;
 --       what a session that is new shows first (a serialised Scene), or empty
--- Returns {"placed", worker, placement}, or {why}: "not_yours", "too_many", "no_worker", "full".
+-- Returns {"placed", worker, placement}, or {why}: "not_yours", "too_many", "no_worker", "full", "no_memory".
 -- Nothing is written unless it is placed. The keys of workers are not known beforehand, so none are declared:
 -- this wants one Redis, not a Redis Cluster.
 
@@ -24,6 +24,12 @@ local function entries_of(worker) return 'diaphane:worker:' .. worker .. ':sessi
 local function is_kept(worker, id)
   local expiry = redis.call('ZSCORE', entries_of(worker), id)
   return expiry and tonumber(expiry) > now
+end
+
+-- Has `worker` just said that it has no memory for this session?
+local function has_refused(worker)
+  local until_ms = redis.call('ZSCORE', session_key .. ':refused', worker)
+  return until_ms and tonumber(until_ms) > now
 end
 
 local known = redis.call('HMGET', session_key, 'user', 'data_set', 'worker', 'incarnation', 'placement')
@@ -53,7 +59,7 @@ end
 local chosen, placement
 if old_worker then
   local w = usable(old_worker)
-  if w and w.incarnation == known[4] and is_kept(old_worker, session) then
+  if w and w.incarnation == known[4] and is_kept(old_worker, session) and not has_refused(old_worker) then
     chosen, placement = w, tonumber(known[5])
   end
 end
@@ -78,22 +84,25 @@ if not chosen then
   end
   if placed >= most_placed then return {'too_many'} end
 
-  local seen = false
+  local why_not = 'no_worker'
   for _, worker in ipairs(redis.call('SMEMBERS', 'diaphane:workers')) do
     local w = usable(worker)
     if w then
-      seen = true
       redis.call('ZREMRANGEBYSCORE', entries_of(worker), '-inf', now)
       local used = redis.call('ZCARD', entries_of(worker))
       if redis.call('ZSCORE', entries_of(worker), session) then used = used - 1 end
-      if used < w.slots then
+      if has_refused(worker) then
+        why_not = 'no_memory'
+      elseif used >= w.slots then
+        if why_not == 'no_worker' then why_not = 'full' end
+      else
         w.share = used / w.slots
         w.has_volume = string.find(w.volumes, ',' .. data_set .. ',', 1, true) ~= nil
         if not chosen or better(w, chosen) then chosen = w end
       end
     end
   end
-  if not chosen then return {seen and 'full' or 'no_worker'} end
+  if not chosen then return {why_not} end
 
   if remembered >= most_remembered and oldest_unplaced then
     redis.call('DEL', 'diaphane:session:' .. oldest_unplaced)

@@ -18,6 +18,7 @@ extern const Script kListSessions;
 extern const Script kEndSessions;
 extern const Script kListWorkers;
 extern const Script kWorkerLost;
+extern const Script kSessionRefused;
 extern const Script kMakeLink;
 extern const Script kEndLinks;
 extern const Script kEndedLinks;

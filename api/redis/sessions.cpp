@@ -73,6 +73,10 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
   if (what == "full") {
     return fail(ErrorCode::kUnavailable, "All places are taken; try again in a moment.");
   }
+  if (what == "no_memory") {
+    return fail(ErrorCode::kUnavailable,
+                "No renderer has the memory for this picture now; try again in a moment.");
+  }
   if (what == "no_worker") {
     return fail(ErrorCode::kUnavailable, "No renderer is running; try again in a moment.");
   }
@@ -124,6 +128,16 @@ Result<void> Sessions::end_all_of(std::string_view data_set_id) {
 Result<void> Sessions::end_all_by(std::string_view user_id) {
   if (!is_id(user_id)) return {};
   const Result<Reply> reply = client_.run(kEndSessions, {"user", user_id});
+  if (!reply) return tl::unexpected(reply.error());
+  return {};
+}
+
+Result<void> Sessions::refused(std::string_view session_id, std::string_view worker_id,
+                               std::uint64_t placement) {
+  const std::string which = std::to_string(placement);
+  const std::string refused_ms = std::to_string(limits_.refused_ms);
+  const Result<Reply> reply =
+      client_.run(kSessionRefused, {session_id, worker_id, which, refused_ms});
   if (!reply) return tl::unexpected(reply.error());
   return {};
 }

@@ -23,6 +23,8 @@ class Sessions final : public Placement, public Tickets, public Workers, public 
     std::uint32_t reservation_ms = 15'000;
     std::uint32_t ticket_s = 30;
     std::uint32_t session_s = 24 * 3600;
+    std::uint32_t refused_ms =
+        30'000;  ///< so long a worker without memory for a session is not asked again
   };
 
   explicit Sessions(Client& client) : Sessions(client, Limits()) {}
@@ -35,6 +37,8 @@ class Sessions final : public Placement, public Tickets, public Workers, public 
   Result<void> end(std::string_view session_id) override;
   Result<void> end_all_of(std::string_view data_set_id) override;
   Result<void> end_all_by(std::string_view user_id) override;
+  Result<void> refused(std::string_view session_id, std::string_view worker_id,
+                       std::uint64_t placement) override;
   bool reachable() override;
 
   Result<Attachment> consume(std::string_view ticket) override;

@@ -172,6 +172,33 @@ TEST_F(SessionsTest, ASessionMovesWhenItsWorkerIsGoneRestartedOrDraining) {
   EXPECT_EQ(sessions_.place(once)->placement, 4u);
 }
 
+TEST_F(SessionsTest, ASessionThatAWorkerHasNoMemoryForIsPlacedOnOthersForAWhile) {
+  Sessions patient(*client_, {.refused_ms = 300});
+  announce({.id = "a", .slots = 4});
+  const PlaceRequest one = request(), other = request();
+  const auto placed = patient.place(one);
+  ASSERT_TRUE(patient.place(other));
+  ASSERT_TRUE(patient.refused(one.session_id, "a", placed->placement));
+  EXPECT_EQ(used("a"), 1) << "its place there is given back, the other's kept";
+  const auto nowhere = patient.place(one);
+  ASSERT_FALSE(nowhere);
+  EXPECT_EQ(nowhere.error().code, ErrorCode::kUnavailable);
+  EXPECT_THAT(nowhere.error().message, testing::HasSubstr("memory"));
+  EXPECT_EQ(patient.place(other)->worker_id, "a") << "only what was refused goes elsewhere";
+
+  announce({.id = "b", .slots = 1});
+  const auto moved = patient.place(one);
+  ASSERT_TRUE(moved);
+  EXPECT_EQ(moved->worker_id, "b");
+  EXPECT_EQ(moved->placement, placed->placement + 1);
+  ASSERT_TRUE(patient.refused(one.session_id, "a", placed->placement)) << "late, of a place before";
+  EXPECT_EQ(patient.place(one)->placement, moved->placement);
+
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  vanish("b");
+  EXPECT_EQ(patient.place(one)->worker_id, "a") << "it may have memory again";
+}
+
 TEST_F(SessionsTest, ASessionThatLostItsSlotIsPlacedAnewOnlyWhereOneIsFree) {
   announce({.id = "a", .slots = 1});
   const PlaceRequest first = request();

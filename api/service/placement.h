@@ -46,7 +46,7 @@ class Placement {
  public:
   virtual ~Placement() = default;
   /// One round trip. Idempotent for a session whose worker lives (only the ticket is new).
-  /// kUnavailable: no worker with a free slot. kNotFound: the id is a session of another user.
+  /// kUnavailable: no worker with a free slot, or none with the memory. kNotFound: the id is a session of another user.
   /// kTooMany: the user has as many sessions as one may have.
   virtual Result<Placed> place(const PlaceRequest& request) = 0;
   /// kNotFound when there is none.
@@ -61,6 +61,10 @@ class Placement {
   virtual Result<void> end_all_of(std::string_view data_set_id) = 0;
   /// Ends every session that the user opened.
   virtual Result<void> end_all_by(std::string_view user_id) = 0;
+  /// The worker had no memory for the session as it was placed there: its slot is given back, and
+  /// for a while the session is placed on others. Nothing when it was placed anew since.
+  virtual Result<void> refused(std::string_view session_id, std::string_view worker_id,
+                               std::uint64_t placement) = 0;
   /// Within 100 ms: for /readyz.
   virtual bool reachable() = 0;
 };

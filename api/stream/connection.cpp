@@ -26,6 +26,12 @@ constexpr std::chrono::seconds kLingerTime{2};
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
+// Others may have it; what else is exhausted (viewers of a session) is nowhere else either.
+bool has_no_memory(const grpc::Status& status) {
+  v1::Refusal why;
+  return why.ParseFromString(status.error_details()) && why.no_memory();
+}
+
 bool is_request_id(std::string_view text) {
   return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
@@ -332,6 +338,7 @@ void Connection::link_ended(const grpc::Status& status) {
     case grpc::StatusCode::NOT_FOUND:
       return close(CloseCode::kSessionGone, "The scan is not there any more.");
     case grpc::StatusCode::RESOURCE_EXHAUSTED:
+      if (has_no_memory(status)) return worker_has_no_memory();
       return close(CloseCode::kTooMany, "The renderer is full; try again in a moment.");
     case grpc::StatusCode::ABORTED:
       return session_was_taken();
@@ -370,6 +377,21 @@ void Connection::worker_broke_off() {
         [](Connection& on) { on.close(CloseCode::kWorkerLost, "The renderer was lost."); });
   });
   if (!taken) close(CloseCode::kWorkerLost, "The renderer was lost.");
+}
+
+// The same: the next ticket must lead to another worker.
+void Connection::worker_has_no_memory() {
+  const bool taken = hub_.run_blocking([self = shared_from_this()] {
+    const Attachment& here = *self->attachment_;
+    const bool noted =
+        self->hub_.placement.refused(here.session.id, here.session.worker_id, here.placement)
+            .has_value();
+    self->on_strand([noted](Connection& on) {
+      if (noted) return on.close(CloseCode::kWorkerLost, "The picture goes on elsewhere.");
+      on.close(CloseCode::kTooMany, "The renderer is full; try again in a moment.");
+    });
+  });
+  if (!taken) close(CloseCode::kTooMany, "The renderer is full; try again in a moment.");
 }
 
 void Connection::worker_seen(bool alive) {

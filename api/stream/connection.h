@@ -78,6 +78,7 @@ class Connection final : public LinkEvents, public std::enable_shared_from_this<
   void link_ended(const grpc::Status& status);
   void session_was_taken();
   void worker_broke_off();
+  void worker_has_no_memory();
   void begin_close();
   void ended();
 

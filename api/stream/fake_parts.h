@@ -94,6 +94,19 @@ class FakePlaces final : public Placement, public Tickets, public Workers {
     lost_.push_back(std::string(worker) + "|" + std::string(incarnation));
     return true;
   }
+  Result<void> refused(std::string_view session, std::string_view worker,
+                       std::uint64_t placement) override {
+    const std::lock_guard lock(mutex_);
+    if (away_) return fail(ErrorCode::kUnavailable, "away");
+    const bool known = sessions_.contains(std::string(session));
+    refused_.push_back((known ? "known|" : "?|") + std::string(worker) + "|" +
+                       std::to_string(placement));
+    return {};
+  }
+  std::vector<std::string> refused_sessions() {
+    const std::lock_guard lock(mutex_);
+    return refused_;
+  }
   Result<Placed> place(const PlaceRequest&) override { return fail(ErrorCode::kInternal, ""); }
   Result<std::vector<SessionInfo>> sessions_of(std::string_view) override {
     return fail(ErrorCode::kInternal, "");
@@ -113,6 +126,7 @@ class FakePlaces final : public Placement, public Tickets, public Workers {
   std::map<std::string, Attachment> tickets_;
   std::map<std::string, SessionInfo> sessions_;
   std::vector<std::string> lost_;
+  std::vector<std::string> refused_;
   std::set<std::string> ended_;
   std::atomic<bool> away_ = false, alive_ = true;
 };
@@ -150,6 +164,13 @@ class FakeWorker final : public diaphane::v1::RenderWorker::Service {
   }
   static Behaviour ending(grpc::StatusCode code) {
     return [code](grpc::ServerContext&, Stream&) { return grpc::Status(code, "as wanted"); };
+  }
+  static Behaviour without_memory() {
+    return [](grpc::ServerContext&, Stream&) {
+      diaphane::v1::Refusal why;
+      why.set_no_memory(true);
+      return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "full", why.SerializeAsString());
+    };
   }
   /// Writes messages of `bytes` for as long as the call lives.
   static Behaviour flood(std::size_t bytes) {

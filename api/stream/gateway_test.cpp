@@ -202,6 +202,24 @@ TEST_F(GatewayTest, WhatTheWorkerSaysAtTheEndBecomesACode) {
   EXPECT_TRUE(places_.lost_workers().empty()) << "a worker that can be reached is not lost";
 }
 
+TEST_F(GatewayTest, ASessionForWhichAWorkerHasNoMemoryGoesElsewhere) {
+  FakeWorker full(FakeWorker::without_memory()),
+      crowded(FakeWorker::ending(grpc::StatusCode::RESOURCE_EXHAUSTED));
+  start();
+  TestViewer one = viewer(), two = viewer(), three = viewer();
+  ASSERT_TRUE(one.enter(places_.issue(full.address())));
+  EXPECT_EQ(one.close_code(), 4503) << "asks for another place at once";
+  EXPECT_THAT(places_.refused_sessions(), ElementsAre("known|worker|7"));
+  ASSERT_TRUE(two.enter(places_.issue(crowded.address())));
+  EXPECT_EQ(two.close_code(), 4429) << "too many viewers: the session stays where it is";
+  const std::string ticket = places_.issue(full.address());
+  places_.change(ticket, [](Attachment& a) { a.session.worker_id = "other"; });
+  ASSERT_TRUE(three.enter(ticket));
+  EXPECT_EQ(three.close_code(), 4503);
+  EXPECT_EQ(places_.refused_sessions().size(), 2u);
+  EXPECT_TRUE(places_.lost_workers().empty()) << "it lives, and goes on with the others";
+}
+
 TEST_F(GatewayTest, ASessionThatMovedOrEndedIsNotCalledTakenOver) {
   start();
   FakeWorker worker([](grpc::ServerContext&, FakeWorker::Stream& stream) {

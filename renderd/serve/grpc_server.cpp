@@ -57,7 +57,10 @@ StatusName status_of(ErrorCode code) {
 grpc::Status status_for(const Error& error, Metrics& metrics) {
   const StatusName status = status_of(error.code);
   metrics.grpc_error(status.name);
-  return {status.code, error.message};
+  if (error.code != ErrorCode::kOutOfMemory) return {status.code, error.message};
+  v1::Refusal why;
+  why.set_no_memory(true);
+  return {status.code, error.message, why.SerializeAsString()};
 }
 
 // What gRPC itself has to say, as one of our lines.

@@ -5,7 +5,10 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import signal
+import socket
 import struct
+import subprocess
 import time
 import uuid
 
@@ -65,6 +68,35 @@ def new_ticket(person: Person, session: str) -> str | None:
         return None
     assert answer.status_code == 201, answer.text
     return answer.json()["stream_url"]
+
+
+def free_port() -> int:
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]
+
+
+class OtherWorker:
+    """A renderd beside the stack's own, on its volumes. Without `redis` it has no sessions: no Redis is where it looks for one."""
+
+    def __init__(self, stack: TestStack, name: str, *options: str, redis: int | None = None):
+        self.stack, self.port, self.process = stack, free_port(), None
+        self.log = stack.data_dir / "logs" / f"{name}.log"
+        self.argv = [str(stack.stack.layout.bin / "diaphane-renderd"), f"--worker-id={name}", f"--redis=127.0.0.1:{redis or free_port()}",
+                     f"--grpc-port={self.port}", f"--advertise=127.0.0.1:{self.port}", f"--admin-port={free_port()}", "--engine=cpu",
+                     "--threads=1", f"--volume-dir={stack.data_dir / 'volumes'}", *options]
+
+    def start(self) -> None:
+        with self.log.open("ab") as log:
+            self.process = subprocess.Popen(self.argv, stderr=log, **self.stack.stack.run_as.popen())
+
+    def kill(self) -> None:
+        if self.process and self.process.poll() is None:
+            os.kill(self.process.pid, signal.SIGKILL)
+            self.process.wait()
+
+    def loads(self) -> int:
+        return self.log.read_text().count('"volume_loaded"')
 
 
 class Viewer:

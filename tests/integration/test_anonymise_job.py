@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import signal
-import socket
 
 import pytest
 from cut_help import (SIDE, build_killer, expected_left, hash_of, holders_of_mark, order, ready_data_set, run_ingestd)
 from ingest_help import volume_path
+from stream_help import free_port
 
 
 @pytest.fixture(scope="module")
@@ -25,9 +25,7 @@ def killer(tmp_path_factory):
 
 @pytest.fixture
 def port():
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        return listener.getsockname()[1]
+    return free_port()
 
 
 def is_cut(stack, data_set: str) -> bool:

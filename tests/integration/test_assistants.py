@@ -2,45 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import socket
-import subprocess
-
 import pytest
 from api_client import person
-from stream_help import Viewer, open_session, store_ball
-
-
-def free_port() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
-
-
-class Helper:
-    """A renderd that helps and has no sessions of its own: no Redis is where it looks for one."""
-
-    def __init__(self, stack, port: int):
-        self.stack, self.port, self.process = stack, port, None
-        self.log = stack.data_dir / "logs" / "helper.log"
-
-    def start(self) -> None:
-        user = self.stack.stack.run_as
-        binary = self.stack.stack.layout.bin / "diaphane-renderd"
-        with self.log.open("ab") as log:
-            self.process = subprocess.Popen(
-                [str(binary), "--worker-id=helper", f"--redis=127.0.0.1:{free_port()}", f"--grpc-port={self.port}",
-                 f"--advertise=127.0.0.1:{self.port}", f"--admin-port={free_port()}", "--engine=cpu", "--threads=1",
-                 f"--volume-dir={self.stack.data_dir / 'volumes'}"],
-                stderr=log, **user.popen())
-
-    def kill(self) -> None:
-        os.kill(self.process.pid, signal.SIGKILL)
-        self.process.wait()
-
-    def loads(self) -> int:
-        return self.log.read_text().count('"volume_loaded"')
+from stream_help import OtherWorker, Viewer, free_port, open_session, store_ball
 
 
 @pytest.fixture
@@ -48,7 +12,7 @@ def assisted(stack_factory):
     port = free_port()
     stack = stack_factory(only=("postgres", "redis", "api", "renderd", "edge"),
                           extra_env={"DIAPHANE_ASSIST": f"127.0.0.1:{port}", "DIAPHANE_MAX_ERROR": "0.0005"})
-    helper = Helper(stack, port)
+    helper = OtherWorker(stack, "helper", f"--grpc-port={port}")
     helper.start()
     yield stack, helper
     helper.kill()
