@@ -76,7 +76,7 @@ void EncodeLane::run() {
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (coded) {
-      sink->coded(picture.info, picture.picture.size, std::move(*coded), seconds);
+      sink->coded(picture.info, std::move(*coded), seconds);
     } else {
       sink->dropped(picture.info, coded.error());
     }

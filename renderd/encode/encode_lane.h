@@ -17,7 +17,7 @@ class FrameSink {
   virtual ~FrameSink() = default;
   /// kGo: encode and hand over by `coded` or `dropped`. kWait: keep it until `poke`.
   virtual Admitted admit(const FrameInfo& frame) = 0;
-  virtual void coded(const FrameInfo& frame, Canvas size, CodedFrame data, double seconds) = 0;
+  virtual void coded(const FrameInfo& frame, CodedFrame data, double seconds) = 0;
   virtual void dropped(const FrameInfo& frame, const Error& why) = 0;
 };
 

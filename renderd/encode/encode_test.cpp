@@ -71,7 +71,7 @@ class Sink final : public FrameSink {
     judged.push_back(frame.epoch);
     return {answer};
   }
-  void coded(const FrameInfo& frame, Canvas, CodedFrame, double) override {
+  void coded(const FrameInfo& frame, CodedFrame, double) override {
     {
       const std::lock_guard lock(mutex);
       sent.push_back(frame.epoch);

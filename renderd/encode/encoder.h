@@ -25,6 +25,7 @@ struct EncodeRequest {
 struct CodedFrame {
   diaphane::v1::Codec codec = diaphane::v1::CODEC_UNSPECIFIED;
   bool key = true;
+  Canvas size;  ///< to be shown: the picture's, or smaller where the codec has a largest side
   std::string data;
   std::string decoder;  ///< H264, of a key frame: what its decoder is configured with (RFC 6381)
 };

@@ -13,18 +13,19 @@ std::string error_text(int error) {
 
 Canvas even(Canvas size) { return {(size.width + 1) / 2 * 2, (size.height + 1) / 2 * 2}; }
 
-Result<void> YuvConverter::prepare(Canvas size) {
-  if (frame_ && size == size_) {
+Result<void> YuvConverter::prepare(Canvas from, Canvas to) {
+  if (frame_ && from == from_ && to == to_) {
     // The encoder may still hold a reference to the planes.
     if (av_frame_make_writable(frame_.get()) < 0) {
       return fail(ErrorCode::kOutOfMemory, "No memory to code a picture.");
     }
     return {};
   }
-  const int width = static_cast<int>(size.width);
-  const int height = static_cast<int>(size.height);
+  const int width = static_cast<int>(to.width);
+  const int height = static_cast<int>(to.height);
   Frame frame(av_frame_alloc());
-  scaler_.reset(sws_getContext(width, height, AV_PIX_FMT_RGB24, width, height, AV_PIX_FMT_YUV420P,
+  scaler_.reset(sws_getContext(static_cast<int>(from.width), static_cast<int>(from.height),
+                               AV_PIX_FMT_RGB24, width, height, AV_PIX_FMT_YUV420P,
                                SWS_AREA | SWS_ACCURATE_RND, nullptr, nullptr, nullptr));
   if (!frame || !scaler_) return fail(ErrorCode::kOutOfMemory, "No memory to code a picture.");
   const bool bt709 = matrix_ == Matrix::kBt709;
@@ -39,20 +40,21 @@ Result<void> YuvConverter::prepare(Canvas size) {
     return fail(ErrorCode::kOutOfMemory, "No memory to code a picture.");
   }
   frame_ = std::move(frame);
-  size_ = size;
+  from_ = from;
+  to_ = to;
   return {};
 }
 
-Result<AVFrame*> YuvConverter::convert(const PictureRgb8& picture) {
+Result<AVFrame*> YuvConverter::convert(const PictureRgb8& picture, Canvas to) {
   const Canvas from = picture.size;
-  const Canvas to = even(from);
-  if (const auto ready = prepare(to); !ready) return tl::unexpected(ready.error());
+  const Canvas padded = even(from);
+  if (const auto ready = prepare(padded, to); !ready) return tl::unexpected(ready.error());
   const std::uint8_t* pixels = picture.pixels.data();
   const std::size_t row = std::size_t{3} * from.width;
-  const std::size_t stride = std::size_t{3} * to.width;
-  if (to != from) {
-    padded_.resize(stride * to.height);
-    for (std::size_t y = 0; y < to.height; ++y) {
+  const std::size_t stride = std::size_t{3} * padded.width;
+  if (padded != from) {
+    padded_.resize(stride * padded.height);
+    for (std::size_t y = 0; y < padded.height; ++y) {
       std::uint8_t* out = padded_.data() + stride * y;
       std::memcpy(out, pixels + row * std::min<std::size_t>(y, from.height - 1), row);
       if (stride > row) std::memcpy(out + row, out + row - 3, 3);
@@ -61,7 +63,7 @@ Result<AVFrame*> YuvConverter::convert(const PictureRgb8& picture) {
   }
   const std::uint8_t* const planes[] = {pixels};
   const int strides[] = {static_cast<int>(stride)};
-  sws_scale(scaler_.get(), planes, strides, 0, static_cast<int>(to.height), frame_->data,
+  sws_scale(scaler_.get(), planes, strides, 0, static_cast<int>(padded.height), frame_->data,
             frame_->linesize);
   return frame_.get();
 }

@@ -43,18 +43,23 @@ Canvas even(Canvas size);
 enum class Matrix { kBt709, kBt601 };
 
 /// RGB to planar YUV 4:2:0, limited range (16 to 235), chroma averaged over 2 x 2. A picture with
-/// an odd side is padded to an even one by its last column or row.
+/// an odd side is padded to an even one by its last column or row, then scaled where a smaller one
+/// is wanted.
 class YuvConverter {
  public:
   explicit YuvConverter(Matrix matrix) : matrix_(matrix) {}
   /// Writes a frame of `even(picture.size)`; it stays the converter's, valid until the next call.
-  Result<AVFrame*> convert(const PictureRgb8& picture);
+  Result<AVFrame*> convert(const PictureRgb8& picture) {
+    return convert(picture, even(picture.size));
+  }
+  /// Of size `to`, both sides even.
+  Result<AVFrame*> convert(const PictureRgb8& picture, Canvas to);
 
  private:
-  Result<void> prepare(Canvas size);
+  Result<void> prepare(Canvas from, Canvas to);
 
   const Matrix matrix_;
-  Canvas size_;
+  Canvas from_, to_;
   Frame frame_;
   std::unique_ptr<SwsContext, FreeScaler> scaler_;
   std::vector<std::uint8_t> padded_;

@@ -42,6 +42,7 @@ class H264Encoder final : public Encoder {
     frame.pict_type = open || request.key ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
     CodedFrame coded;
     coded.codec = v1::H264;
+    coded.size = picture.size;
     auto data = ffmpeg::code(*context_, frame, *packet_, coded.key);
     if (!data) {
       context_.reset();  // what it holds is unknown: the next frame begins anew

@@ -66,7 +66,8 @@ class JpegEncoder final : public Encoder {
                     chroma, quality, flags) != 0) {
       return fail(ErrorCode::kInternal, "A picture could not be coded.");
     }
-    return CodedFrame{v1::JPEG, true, std::string(reinterpret_cast<const char*>(data), bytes), {}};
+    return CodedFrame{
+        v1::JPEG, true, picture.size, std::string(reinterpret_cast<const char*>(data), bytes), {}};
   }
 
   std::unique_ptr<void, FreeHandle> handle_;

@@ -14,6 +14,15 @@ constexpr int kMovingQuantiser = 5;
 constexpr int kSettledQuantiser = 2;
 constexpr std::uint32_t kLargestSide = 4094;  // twelve bits, and even
 
+/// As large as MPEG-1 can say, of the same shape.
+Canvas fitted(Canvas size) {
+  const double scale = double(kLargestSide) / std::max({size.width, size.height, kLargestSide});
+  const auto side = [scale](std::uint32_t of) {
+    return std::max<std::uint32_t>(1, static_cast<std::uint32_t>(std::lround(of * scale)));
+  };
+  return {side(size.width), side(size.height)};
+}
+
 class Mpeg1Encoder final : public Encoder {
  public:
   Mpeg1Encoder(const AVCodec* codec, ffmpeg::Packet packet)
@@ -21,12 +30,13 @@ class Mpeg1Encoder final : public Encoder {
 
   Result<CodedFrame> encode(const PictureRgb8& picture, const EncodeRequest& request) override {
     if (const auto sound = check_picture(picture); !sound) return tl::unexpected(sound.error());
-    const Canvas size = ffmpeg::even(picture.size);
+    const Canvas shown = fitted(picture.size);
+    const Canvas size = ffmpeg::even(shown);
     const bool open = !context_ || size != size_;
     if (open) {
       if (const auto done = start(size); !done) return tl::unexpected(done.error());
     }
-    auto converted = converter_.convert(picture);
+    auto converted = converter_.convert(picture, size);
     if (!converted) return tl::unexpected(converted.error());
     const int best = request.quality == Quality::kSettled ? kSettledQuantiser : kMovingQuantiser;
     // Bytes go about as the pixels; what is known of another size is still a beginning.
@@ -37,6 +47,7 @@ class Mpeg1Encoder final : public Encoder {
     frame.pict_type = open || request.key ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
     CodedFrame coded;
     coded.codec = v1::MPEG1;
+    coded.size = shown;
     auto data = ffmpeg::code(*context_, frame, *packet_, coded.key);
     if (!data) {
       context_.reset();
@@ -49,9 +60,6 @@ class Mpeg1Encoder final : public Encoder {
 
  private:
   Result<void> start(Canvas size) {
-    if (size.width > kLargestSide || size.height > kLargestSide) {
-      return fail(ErrorCode::kTooLarge, "MPEG-1 pictures are at most 4094 pixels wide and high.");
-    }
     context_.reset(avcodec_alloc_context3(codec_));
     if (!context_) return fail(ErrorCode::kOutOfMemory, "No memory for an MPEG-1 encoder.");
     AVCodecContext& context = *context_;

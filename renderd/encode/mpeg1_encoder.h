@@ -7,7 +7,8 @@ namespace diaphane::render {
 /// MPEG-1 video by FFmpeg as an elementary stream, for jsmpeg: 30 frames a second by name, no B
 /// frames, a sequence header with the size before each key frame. Key frames come on request, when
 /// the size changes, and each 600 frames. MPEG-1 can say neither matrix nor range: they are those
-/// that jsmpeg assumes, BT.601 limited. Sides are at most 4094 pixels, odd ones as with H.264.
+/// that jsmpeg assumes, BT.601 limited. Sides are at most 4094 pixels: a larger
+/// picture is scaled down, and CodedFrame says so. Odd sides as with H.264.
 Result<std::unique_ptr<Encoder>> make_mpeg1_encoder();
 
 /// The quantiser (1 to 31) for the next frame, after one with quantiser `before` took `bytes`,

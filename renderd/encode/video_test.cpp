@@ -269,6 +269,30 @@ TEST(H264Device, TheProbeOfThisMachineSaysWhatItFound) {
   EXPECT_FALSE(can_encode(v1::CODEC_UNSPECIFIED));
 }
 
+TEST(Mpeg1, APictureLargerThanItCanSayIsScaledDownAndSaysSo) {
+  const auto coder = make_mpeg1_encoder();
+  ASSERT_TRUE(coder);
+  const Canvas whole{5001, 96}, shown{4094, 79};  // a factor of 0.8186
+  const auto coded =
+      (*coder)->encode(smooth_picture(whole.width, whole.height), {Quality::kSettled, true, 0});
+  ASSERT_TRUE(coded);
+  EXPECT_EQ(coded->size, shown);
+  Viewer viewer(AV_CODEC_ID_MPEG1VIDEO);
+  const AVFrame* frame = viewer.show(coded->data);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->width, 4094);
+  EXPECT_EQ(frame->height, 80) << "even";
+  PictureRgb8 expected = smooth_picture(shown.width, shown.height);
+  for (std::uint32_t i = 0; i < shown.width * shown.height; ++i) {
+    const double x = (i % shown.width + 0.5) * whole.width / shown.width - 0.5;
+    expected.pixels[3 * i + 2] = static_cast<std::uint8_t>(127 + 100 * std::sin(0.1 * x));
+  }
+  EXPECT_LT(rms(expected, to_rgb(*frame, shown, kBt601)), 4.0);
+  const auto small = (*coder)->encode(smooth_picture(64, 48), {});
+  ASSERT_TRUE(small);
+  EXPECT_EQ(small->size, (Canvas{64, 48}));
+}
+
 TEST(NextQuantiser, FollowsTheBytesAndStaysInItsRange) {
   EXPECT_EQ(next_quantiser(10, 9000, 0, 4), 4) << "unbounded";
   EXPECT_EQ(next_quantiser(10, 0, 9000, 4), 4) << "nothing known";

@@ -137,8 +137,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
 
   // What an encoder asks and tells, of the lane that it codes for.
   Admitted admit(const Lane& lane, const FrameInfo& frame);
-  void coded(const Lane& lane, const FrameInfo& frame, Canvas size, CodedFrame data,
-             double seconds);
+  void coded(const Lane& lane, const FrameInfo& frame, CodedFrame data, double seconds);
   void dropped(const Lane& lane, const Error& why);
 
   /// The lossless end: sends what is coded and has room, and has coded what comes next.

@@ -17,9 +17,9 @@ class LiveSession::Lane final : public FrameSink {
     const auto session = session_.lock();
     return session ? session->admit(*this, frame) : Admitted{};
   }
-  void coded(const FrameInfo& frame, Canvas size, CodedFrame data, double seconds) override {
+  void coded(const FrameInfo& frame, CodedFrame data, double seconds) override {
     if (const auto session = session_.lock()) {
-      session->coded(*this, frame, size, std::move(data), seconds);
+      session->coded(*this, frame, std::move(data), seconds);
     }
   }
   void dropped(const FrameInfo&, const Error& why) override {

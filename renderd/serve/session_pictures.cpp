@@ -22,8 +22,7 @@ Admitted LiveSession::admit(const Lane& lane, const FrameInfo& frame) {
   return render::admit(state_, lane.codec, frame, parts_.clock.now());
 }
 
-void LiveSession::coded(const Lane& lane, const FrameInfo& frame, Canvas size, CodedFrame data,
-                        double seconds) {
+void LiveSession::coded(const Lane& lane, const FrameInfo& frame, CodedFrame data, double seconds) {
   parts_.metrics.encoded(seconds);
   {
     const std::lock_guard lock(mutex_);
@@ -39,8 +38,8 @@ void LiveSession::coded(const Lane& lane, const FrameInfo& frame, Canvas size, C
     out.set_input_seq(frame.input_seq);
     out.set_iteration(frame.samples);
     out.set_error(frame.error);
-    out.set_width(size.width);
-    out.set_height(size.height);
+    out.set_width(data.size.width);
+    out.set_height(data.size.height);
     out.set_denoised(frame.denoised);
     out.set_render_us(frame.render_us);
     out.set_encode_us(static_cast<std::uint64_t>(seconds * 1e6));
