@@ -67,6 +67,7 @@ class Ledger {
   std::uint64_t input_seq() const { return input_seq_; }  ///< that the film answers
   std::uint64_t samples_shown() const { return samples_shown_; }
   bool moving() const { return moving_; }
+  double scene_seconds() const { return scene_seconds_; }  ///< to make ready what the film holds
 
  private:
   double seconds_per_pixel(const DeviceCosts& device) const;

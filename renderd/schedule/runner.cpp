@@ -390,14 +390,15 @@ void Runner::show(Turn& turn, const EmissionQuestion& question) {
   rendered.info.input_seq = ledger.stale() ? ledger.input_seq() : ledger.wanted().input_seq;
   rendered.info.samples = ledger.progress().samples;
   rendered.info.error = ledger.progress().error;
-  rendered.info.render_us = static_cast<std::uint64_t>(ledger.progress().seconds * 1e6);
   rendered.info.first_of_epoch = ledger.samples_shown() == 0;
   rendered.info.moving = ledger.moving();
   rendered.info.converged = question.converged;
   rendered.info.denoised = *shown;
   turn.picture_seconds = seconds_between(start, clock_.now());
+  const double own = own_seconds() - before;
+  rendered.info.render_us =
+      static_cast<std::uint64_t>((ledger.scene_seconds() + ledger.progress().seconds + own) * 1e6);
   {
-    const double own = own_seconds() - before;
     const std::lock_guard lock(mutex_);
     ledger.shown(own, costs_, start);
   }
