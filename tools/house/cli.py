@@ -76,6 +76,8 @@ def _parser() -> argparse.ArgumentParser:
     fuzz.add_argument("target", nargs="?", metavar="TARGET", help="precheck, codestream, tar, report or volume (default: all)")
     fuzz.add_argument("--seconds", type=int, default=60, metavar="N", help="for each target (default 60)")
     fuzz.add_argument("--minimise", action="store_true", help="then keep the fewest files that reach as much, in tests/fuzz/corpus")
+    races = command("races", _races, "everything that has threads, under ThreadSanitizer")
+    races.add_argument("programs", nargs="*", metavar="PROGRAM", help="test programs (default: all that have threads)")
     bench = command("bench", _bench, "measure; without a name: which measurements there are")
     bench.add_argument("name", nargs="?")
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the results there")
@@ -171,6 +173,12 @@ def _replay(_: argparse.Namespace, rest: list[str]) -> int:
     from . import replay
 
     return replay.run(rest)
+
+
+def _races(options: argparse.Namespace, _: list[str]) -> int:
+    from . import races
+
+    return races.run(options.programs)
 
 
 def _fuzz(options: argparse.Namespace, _: list[str]) -> int:

@@ -1,0 +1,52 @@
+"""`./diaphane races`: the programs' own tests of everything that has threads, under ThreadSanitizer."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+from . import build, install, paths
+from .says import HouseError, say, step, warn
+
+#: The test programs in which threads meet; all else is pure functions.
+PROGRAMS = ("common_service_test", "api_redis_test", "api_stream_test", "render_thread_pool_test", "render_composite_test",
+            "render_schedule_test", "render_session_test", "render_encode_test", "render_serve_test", "render_grpc_test")
+#: A sanitized program is 5 to 15 times slower.
+SECONDS_A_PROGRAM = 1800
+
+
+def run(programs: list[str], may_install: bool = True) -> int:
+    if unknown := [name for name in programs if name not in PROGRAMS]:
+        raise HouseError(f"no program '{unknown[0]}'; there are: {', '.join(PROGRAMS)}", 64)
+    install.ensure("test", may_install)
+    chosen = programs or list(PROGRAMS)
+    folder = build.configure("tsan")
+    build.ninja(folder, [f"bin/{name}" for name in chosen])
+    step("Looking for races")
+    faults = [name for name in chosen if not _is_clean(folder, name)]
+    say(f"{len(chosen) - len(faults)} passed, {len(faults)} failed")
+    return 1 if faults else 0
+
+
+def sanitizer_options() -> str:
+    """Those of the test preset, so that both ways see the same."""
+    presets = json.loads((paths.REPO / "CMakePresets.json").read_text(encoding="utf-8"))["testPresets"]
+    [options] = [preset["environment"]["TSAN_OPTIONS"] for preset in presets if preset["name"] == "tsan"]
+    return options.replace("${sourceDir}", str(paths.REPO))
+
+
+def _is_clean(folder: Path, name: str) -> bool:
+    try:
+        done = subprocess.run([folder / "bin" / name, "--gtest_brief=1"], cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, errors="replace", timeout=SECONDS_A_PROGRAM,
+                              env={**os.environ, "TSAN_OPTIONS": sanitizer_options()})
+    except subprocess.TimeoutExpired:
+        warn(f"{name} did not end within {SECONDS_A_PROGRAM} s")
+        return False
+    races = done.stdout.count("WARNING: ThreadSanitizer")
+    say(f"{name:<26} {'well' if done.returncode == 0 else f'FAILED, {races} findings'}")
+    if done.returncode != 0:
+        warn("\n".join(done.stdout.splitlines()[-200:]))
+    return done.returncode == 0
