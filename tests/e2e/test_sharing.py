@@ -11,8 +11,8 @@ from person import Person
 from picture import facts
 
 
-def look_through_reports(stack: TestStack, page, pictures: Path) -> None:
-    """As an administrator, who finds nothing wrong."""
+def look_through_reports(stack: TestStack, page, pictures: Path) -> Person:
+    """As an administrator, who finds nothing wrong; gives him."""
     boss = Person.arrives(stack, page, "boss")
     page.goto(stack.url + "/reports")
     expect(page.get_by_text("Only an administrator may do this.")).to_be_visible()
@@ -22,6 +22,38 @@ def look_through_reports(stack: TestStack, page, pictures: Path) -> None:
     page.screenshot(path=pictures / "reports.png")
     page.get_by_role("button", name="Nothing is wrong with A head to share").click()
     expect(page.get_by_text("Nothing to do.")).to_be_visible()
+    return boss
+
+
+def preset_is_reported_and_taken_down(author: Person, reader: Person, boss: Person, scan: str, name: str, pictures: Path) -> None:
+    """Who reads it says what is wrong, an administrator looks and says why it goes, its author is told; nobody else sees it again."""
+    reader.page.goto(f"{reader.stack.url}/view/{scan}")
+    reader.page.get_by_role("button", name="Saved presets").click()
+    reader.page.get_by_role("button", name=f"Report {name}").click()
+    dialog = reader.page.get_by_role("dialog", name=f"What is wrong with {name}?")
+    dialog.get_by_label("In your own words").fill("Its name is a person's.")
+    dialog.get_by_role("button", name="Report", exact=True).click()
+    expect(dialog.get_by_text("An administrator will look at it.")).to_be_visible()
+    reader.page.keyboard.press("Escape")
+
+    boss.page.goto(f"{boss.stack.url}/reports")
+    expect(boss.page.get_by_text("Its name is a person's.")).to_be_visible()
+    expect(boss.page.get_by_text(name)).to_be_visible()
+    boss.page.get_by_role("button", name=f"Take down {name}").click()
+    dialog = boss.page.get_by_role("dialog")
+    dialog.get_by_label("Reason").fill("No names of people.")
+    boss.page.screenshot(path=pictures / "take-down-preset.png")
+    dialog.get_by_role("button", name="Take down", exact=True).click()
+    expect(boss.page.get_by_role("button", name=f"Take down {name}")).not_to_be_visible()
+
+    author.page.goto(f"{author.stack.url}/view/{scan}")
+    author.page.get_by_role("button", name="Saved presets").click()
+    expect(author.page.get_by_text("The reason: No names of people.")).to_be_visible()
+    author.page.screenshot(path=pictures / "preset-taken-down.png")
+    reader.page.reload()
+    reader.page.get_by_role("button", name="Saved presets").click()
+    expect(reader.page.get_by_text("No presets yet")).to_be_visible()
+    reader.page.close()
 
 
 def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack: TestStack, visit, cranium: Path, pictures: Path):
@@ -76,7 +108,7 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     bert.page.get_by_role("dialog").get_by_role("button", name="Report").click()
     expect(bert.page.get_by_text("An administrator will look at it.")).to_be_visible()
     bert.page.keyboard.press("Escape")
-    look_through_reports(stack, visit(small=True), pictures)
+    boss = look_through_reports(stack, visit(small=True), pictures)
     bert.page.get_by_role("link", name="Look at A head to share").click()
     expect(bert.page.locator("canvas[data-samples]")).to_be_visible()
     bert.page.locator("[data-preset=muscle]").click()
@@ -136,6 +168,9 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     crowd.get_by_role("link", name="Show Best of it").click()
     expect(again.locator("[data-preset=muscle][aria-pressed=true]")).to_be_visible(timeout=60_000)
     again.close()
+
+    preset_is_reported_and_taken_down(bert, Person.arrives(stack, visit(small=True), "cara"), boss, scan, "Best of it", pictures)
+    expect(bert.page.locator("canvas[data-samples]")).to_be_visible()
 
     # Taken back, everybody else is sent away at once.
     anna.page.get_by_role("button", name="Share this scan").click()
