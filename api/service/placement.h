@@ -46,8 +46,8 @@ class Placement {
  public:
   virtual ~Placement() = default;
   /// One round trip. Idempotent for a session whose worker lives (only the ticket is new).
-  /// kUnavailable: no worker with a free slot, or none with the memory. kNotFound: the id is a session of another user.
-  /// kTooMany: the user has as many sessions as one may have.
+  /// kUnavailable: no worker with a free slot, or none with the memory. kNotFound: the id is a
+  /// session of another user. kTooMany: the user has as many sessions as one may have.
   virtual Result<Placed> place(const PlaceRequest& request) = 0;
   /// kNotFound when there is none.
   virtual Result<SessionInfo> find(std::string_view session_id) = 0;
