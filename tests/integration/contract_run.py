@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import copy
 import os
+import re
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -28,6 +29,15 @@ MANY = 100
 class Found:
     output: str
     well: bool
+
+    @property
+    def cases(self) -> int:
+        """Requests, or in the stateful phase chains of them, that were made."""
+        return int(found[1]) if (found := re.search(r"^ +(\d+) generated", self.output, re.M)) else 0
+
+    @property
+    def findings(self) -> int:
+        return int(found[1]) if (found := re.search(r" found (\d+) unique failures", self.output)) else 0
 
 
 def _each(node: Any) -> Iterator[dict[str, Any]]:

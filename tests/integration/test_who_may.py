@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from api_client import api, forget_attempts  # noqa: F401
 from who_may_table import OPERATIONS, ROWS
-from who_may_world import EXPOSURES, ROLES, World, ask, known_hash
+from who_may_world import ROLES, STATES, World, ask, known_hash
 
 
 @pytest.fixture(scope="module")
@@ -16,8 +16,8 @@ def password_hash(api):  # noqa: F811
 def test_every_operation_has_a_row_and_every_row_an_operation():
     assert {name for name in ROWS if ":" not in name} == set(OPERATIONS)
     for name in ROWS:
-        operation, _, exposure = name.partition(":")
-        assert operation in OPERATIONS and (not exposure or exposure in EXPOSURES), name
+        operation, _, state = name.partition(":")
+        assert operation in OPERATIONS and (not state or state in STATES), name
 
 
 def test_nobody_may_what_needs_an_account():
@@ -31,13 +31,17 @@ def test_nobody_may_what_needs_an_account():
 
 @pytest.mark.parametrize("name", sorted({*OPERATIONS, *ROWS}))
 def test_who_may(api, password_hash, name):  # noqa: F811
-    about, _, exposure = name.partition(":")
+    about, _, state = name.partition(":")
     path, method, operation = OPERATIONS[about]
     forget_attempts(api)
     wrong = []
+    world = World(api, password_hash)
     for role in ROLES:
         wanted = ROWS.get(name, {}).get(role, "a row in who_may.txt")
-        answer = ask(World(api, password_hash), role, path, method, operation, exposure)
+        answer = ask(world, role, path, method, operation, state)
+        # What was carried out changed something, and a disabled owner makes nothing more: the next one asks about other things.
+        if (answer.is_success and method != "GET") or state == "disabled":
+            world = World(api, password_hash)
         fits = answer.is_success if wanted == "+" else str(answer.status_code) == wanted
         if not fits:
             wrong.append(f"{role}: {wanted} wanted, {answer.status_code} {answer.text[:200]}")

@@ -30,6 +30,11 @@ class World:
         self.saved = ""
         self.stored_hash = ""
         self.taken_down = False
+        #: In what is told of its scan, where somebody searches for it.
+        self.word = ""
+        #: Whose presets, sessions and recordings are asked about; the scan is the owner's.
+        self.maker = "owner"
+        self.joined = ""
 
     # Persons
 
@@ -53,6 +58,11 @@ class World:
     @property
     def owner(self) -> Person:
         return self.someone("owner")
+
+    @property
+    def who_made(self) -> Person:
+        self.data_set_id()
+        return self.someone(self.maker)
 
     # What paths name
 
@@ -104,7 +114,7 @@ class World:
 
     def preset_id(self) -> str:
         if not self.saved:
-            self.saved = self.owner.http.post(f"/v1/data-sets/{self.data_set_id()}/presets", json={"name": "a", "scene": SCENE}).json()["id"]
+            self.saved = self.who_made.http.post(f"/v1/data-sets/{self.data_set_id()}/presets", json={"name": "a", "scene": SCENE}).json()["id"]
         return self.saved
 
     def picture_preset(self) -> None:
@@ -116,6 +126,29 @@ class World:
         self.someone("other").http.post(f"/v1/data-sets/{self.data_set}/reports", json={"reason": "other"})
         return self.stack.psql("SELECT id::text FROM reports WHERE data_set_id = %s", self.data_set)[0][0]
 
+    def end_links(self) -> None:
+        """Whatever they lead to."""
+        for link in self.owner.http.get(f"/v1/data-sets/{self.data_set_id()}/links").json()["items"]:
+            assert self.owner.http.delete(f"/v1/data-sets/{self.data_set}/links/{link['id']}").status_code == 204
+        if self.joined:
+            assert self.owner.http.delete(f"/v1/sessions/{self.joined}/links").status_code == 204
+
+    def unshare(self) -> None:
+        for one in self.owner.http.get(f"/v1/data-sets/{self.data_set_id()}/people").json()["items"]:
+            assert self.owner.http.delete(f"/v1/data-sets/{self.data_set}/people/{one['id']}").status_code == 204
+
+    def cut(self) -> None:
+        """Its owner has asked for it to be made anonymous."""
+        if self.stored_hash:
+            return
+        keep = {"keep": KEEP, "volume_hash": self.volume_hash(), "confirm": "this cannot be undone"}
+        assert self.owner.http.post(f"/v1/data-sets/{self.data_set}/anonymise", json=keep).status_code == 202
+
+    def joining(self) -> str:
+        """The token of a link to the owner's session."""
+        self.joined = self.session_id()
+        return self.owner.http.post(f"/v1/sessions/{self.joined}/links").json()["token"]
+
     def upload_id(self) -> str:
         """Of a scan that is shared before it has arrived."""
         made = self.owner.data_set(10)["data_set"]["id"]
@@ -124,17 +157,17 @@ class World:
 
     def session_id(self) -> str:
         add_worker(self.stack, "who-may", slots=1000)
-        answer = self.owner.http.post("/v1/sessions", json={"data_set_id": self.data_set_id()})
+        answer = self.who_made.http.post("/v1/sessions", json={"data_set_id": self.data_set_id()})
         assert answer.status_code == 201, answer.text
         return answer.json()["session_id"]
 
     def recording_id(self) -> str:
-        answer = self.owner.http.post("/v1/recordings", json=RECORDING)
+        answer = self.who_made.http.post("/v1/recordings", json=RECORDING)
         assert answer.status_code == 201, answer.text
         return answer.json()["id"]
 
     def browser_session_id(self) -> str:
-        return self.owner.http.get("/v1/me/browser-sessions").json()["items"][0]["id"]
+        return self.who_made.http.get("/v1/me/browser-sessions").json()["items"][0]["id"]
 
     def user_id(self) -> str:
         return self.owner.known_id
@@ -240,9 +273,10 @@ bodies: dict[str, Callable[[World, Person], Any]] = {
     "reportPreset": lambda world, who: {"reason": "offensive"},
     "takeDownPreset": lambda world, who: {"reason": "Its name offends."},
     "takeDownDataSet": lambda world, who: {"reason": "A name is on it."},
-    "join": lambda world, who: {"token": world.owner.http.post(f"/v1/sessions/{world.session_id()}/links").json()["token"],
-                                "key": "0" * 64},
+    "join": lambda world, who: {"token": world.joining(), "key": "0" * 64},
 }
+
+
 def signed_in(who: Person) -> bool:
     return who.http.get("/v1/me").status_code == 200
 
@@ -290,14 +324,35 @@ before: dict[str, Callable[[World, Person], None]] = {
 
 
 #: Without another word these are about a public scan, or one that was.
-ABOUT_PUBLIC = ("voteForPreset", "reportDataSet", "takeDownDataSet", "restoreDataSet")
-#: What may be true of the scan in a row of the table, when all else is made.
-EXPOSURES: dict[str, Callable[[World], None]] = {
-    "private": lambda world: None,
-    "public": lambda world: world.publish(),
-    "taken-down": lambda world: world.take_down(),
-    "sample": lambda world: world.make_sample(),
+ABOUT_PUBLIC = ("voteForPreset", "reportDataSet", "takeDownDataSet", "restoreDataSet", "reportPreset")
+
+
+def disable(world: World, who: Person) -> None:
+    world.stack.psql("UPDATE users SET disabled_at = now() WHERE id = %s", getattr(who, "known_id", None))
+
+
+def made_by_edit(world: World) -> None:
+    world.maker = "edit"
+
+
+#: What is true in a row of the table, once all else is made: of the scan, of the links to it, or of who asks.
+STATES: dict[str, Callable[[World, Person], None]] = {
+    "private": lambda world, who: None,
+    "public": lambda world, who: world.publish(),
+    "taken-down": lambda world, who: world.take_down(),
+    "sample": lambda world, who: world.make_sample(),
+    "unshared": lambda world, who: world.unshare(),
+    "cutting": lambda world, who: world.cut(),
+    "expired": lambda world, who: world.stack.psql("UPDATE data_set_links SET expires_at = now() - interval '1 s' WHERE data_set_id = %s", world.data_set_id()),
+    "ended": lambda world, who: world.end_links(),
+    "of-edit": lambda world, who: None,
+    "one-factor": without_second_factor,
+    "disabled": disable,
 }
+#: The same before anything is made.
+FIRST: dict[str, Callable[[World], None]] = {"of-edit": made_by_edit}
+#: What a state is about, so that what an operation has before it (`before`) does not come.
+OF_THE_SCAN = ("private", "public", "taken-down", "sample")
 
 
 def ready_to_render(world: World) -> str:
@@ -305,17 +360,18 @@ def ready_to_render(world: World) -> str:
     return world.data_set_id()
 
 
-def ask(world: World, role: str, path: str, method: str, operation: dict[str, Any], exposure: str = "") -> httpx.Response:
+def ask(world: World, role: str, path: str, method: str, operation: dict[str, Any], state: str = "") -> httpx.Response:
     """One operation about the owner's things, as somebody of that role."""
-    request = question(world, role, path, method, operation, exposure)
+    request = question(world, role, path, method, operation, state)
     return world.someone(role).http.send(request)
 
 
-def question(world: World, role: str, path: str, method: str, operation: dict[str, Any], exposure: str = "") -> httpx.Request:
-    """What ask() sends; all that has to be there before is there. `exposure`: one of EXPOSURES, or what the operation is about."""
+def question(world: World, role: str, path: str, method: str, operation: dict[str, Any], state: str = "") -> httpx.Request:
+    """What ask() sends; all that has to be there before is there. `state`: one of STATES, or what the operation is about."""
     name = operation["operationId"]
+    FIRST.get(state, lambda _: None)(world)
     who = world.someone(role)
-    if not (exposure and name in ABOUT_PUBLIC):
+    if not (state in OF_THE_SCAN and name in ABOUT_PUBLIC):
         before.get(name, lambda *_: None)(world, who)
     for parameter in operation["parameters"]:
         if parameter["in"] == "path":
@@ -323,8 +379,8 @@ def question(world: World, role: str, path: str, method: str, operation: dict[st
             assert make, f"{name}: World has no {parameter['name']}() yet (who_may_world.py)"
             path = path.replace("{" + parameter["name"] + "}", make())
     body: Any = bodies[name](world, who) if name in bodies else None
-    if exposure:
-        EXPOSURES[exposure](world)
+    if state:
+        STATES[state](world, who)
     headers = {"Tus-Resumable": "1.0.0"} if path.startswith("/v1/uploads") else {}
     if name == "createUpload":
         headers["Upload-Length"] = "10"

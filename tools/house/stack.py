@@ -54,6 +54,7 @@ class Stack:
     only: Iterable[str] | None = None    # names of the programs to run; all of them when None
     extra_env: dict[str, str] = field(default_factory=dict)
     on_event: Callable[[str], None] = lambda text: None
+    log_limit: int = logfiles.LIMIT_BYTES    # of a program's log, before it is moved aside
     stop_requested: threading.Event = field(default_factory=threading.Event)  # gives up a start that goes on
 
     def __post_init__(self) -> None:
@@ -255,7 +256,7 @@ class Stack:
             if time.monotonic() - looked_at_logs > 5:
                 looked_at_logs = time.monotonic()
                 for name in (*self.running_, "edge"):
-                    logfiles.bound(self.log_path(name))
+                    logfiles.bound(self.log_path(name), self.log_limit)
 
     def _look_after(self, entry: Running) -> None:
         now = time.monotonic()

@@ -1,0 +1,108 @@
+"""The attacks of edge_attacks.py on every route in every role, on requests that are authorised: nothing gets further than the role may.
+
+Here some at each; all of them: `./diaphane bench edge-attacks`.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+from api_client import person
+from attack_plan import Cell, Tally, all_of_them, cells, fault_of, printed, routes, some_of, table
+from attack_run import run
+from edge_attacks import Attack, Request, attacks_on
+from edge_help import Undisturbed
+from who_may_table import OPERATIONS
+from who_may_world import ROLES, known_hash
+
+#: Of the list at each cell, beside the request itself, and headers and a body that come a byte a second.
+EACH = 4
+#: Where all of the list is sent: with and without a body, a page, the stream.
+WHOLE = ("getMe", "describeDataSet", "/", "stream")
+
+
+@pytest.fixture(scope="module")
+def attacked(stack_house):
+    stack = stack_house.open(only=("postgres", "redis", "api", "edge"))
+    yield stack
+    stack_house.shut(stack)
+
+
+@pytest.fixture(scope="module")
+def password_hash(attacked):
+    return known_hash(attacked)
+
+
+@pytest.fixture(scope="module")
+def somebody(attacked):
+    return person(attacked)
+
+
+@pytest.fixture
+def ordinary(attacked, somebody):
+    """Goes on meanwhile; afterwards every answer was right, and the programs are the same and no larger."""
+    watched = Undisturbed(attacked, somebody)
+    yield
+    assert watched.faults() == []
+    one = watched.ordinary
+    print(f"ordinary client: {3 * len(one.seconds)} answers, p99 {one.p99() * 1000:.1f} ms; api {watched.grown_mb:+.1f} MB, edge {watched.edge_mb:.1f} MB")
+
+
+def test_every_route_in_every_role_stands_some_of_each_attack(attacked, password_hash, ordinary):
+    chosen = cells(routes())
+    found = run(attacked, password_hash, chosen, some_of(EACH), anew=False)
+    print(printed(table(found.tallies)))
+    assert found.misses == []
+    assert set(found.tallies) == set(chosen)
+    # Attacks got as far as requests do that are allowed.
+    answered = Counter(cell.role for cell, tally in found.tallies.items() if tally.answered)
+    assert all(answered[role] > 20 for role in ("other", "view", "edit", "owner", "administrator")), answered
+
+
+def test_a_few_routes_stand_the_whole_list(attacked, password_hash, ordinary):
+    chosen = [one for one in routes() if one.name in WHOLE]
+    found = run(attacked, password_hash, cells(chosen, ("nobody", "owner")), all_of_them, drip_seconds=0, anew=False)
+    print(printed(table(found.tallies)))
+    assert found.misses == []
+
+
+# The plan itself
+
+def test_every_operation_the_stream_and_the_pages_are_there():
+    assert {one.name for one in routes()} > {*OPERATIONS, "stream", "/", "/scans"}
+    assert {one.role for one in cells(routes())} == set(ROLES)
+
+
+def test_some_of_each_are_all_of_them_in_the_end():
+    """Over all cells every attack occurs, and in every role every kind does."""
+    one = Request(b"PATCH", b"/v1/x", ((b"Cookie", b"a" * 64), (b"X-CSRF-Token", b"b" * 64)), b"{}")
+    listed = attacks_on(one)
+    assert len({(attack.kind, attack.name) for attack in listed}) == len(listed), "names tell them apart"
+    chosen = cells(routes())
+    seen: set[str] = set()
+    kinds: dict[str, set[str]] = {}
+    for number, cell in enumerate(chosen):
+        for attack in some_of(EACH)(number, listed):
+            seen.add(attack.name)
+            kinds.setdefault(cell.role, set()).add(attack.kind)
+    assert seen == {attack.name for attack in listed}
+    assert all(kinds[role] == {attack.kind for attack in listed} for role in ROLES)
+
+
+ROUTE = next(one for one in routes() if one.name == "deleteDataSet")
+BAD, ODD = Attack("", "", b"", refused=True), Attack("", "", b"")
+
+
+@pytest.mark.parametrize(("role", "attack", "statuses", "well"), [
+    ("owner", BAD, [400], True), ("owner", BAD, [204], False), ("owner", BAD, [404], False), ("owner", BAD, [], False),
+    ("owner", ODD, [204], True), ("view", ODD, [204], False), ("view", ODD, [403], True), ("view", ODD, [500], False),
+    ("owner", ODD, [204, 401], False), ("owner", ODD, [502], False),
+])
+def test_what_is_a_miss(role, attack, statuses, well):
+    assert (fault_of(Cell(ROUTE, role), attack, statuses) == "") == well
+
+
+def test_the_table_adds_up():
+    tallies = {Cell(ROUTE, "owner"): Tally(5, 3, 2, 0, ["x"])}
+    assert table(tallies) == [{"group": "data-sets", "routes": 1, "role": "owner", "sent": 5, "refused": 3, "answered": 2, "closed": 0, "misses": 1}]
