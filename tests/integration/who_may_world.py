@@ -35,6 +35,7 @@ class World:
         #: Whose presets, sessions and recordings are asked about; the scan is the owner's.
         self.maker = "owner"
         self.joined = ""
+        self.linked: dict = {}
 
     # Persons
 
@@ -86,7 +87,8 @@ class World:
 
     def publish(self) -> None:
         data_set = self.data_set_id()
-        self.stack.psql("UPDATE data_sets SET anonymised_at = now() WHERE id = %s", data_set)
+        # Long ago, so that pictures of it are younger.
+        self.stack.psql("UPDATE data_sets SET anonymised_at = now() - interval '1 hour' WHERE id = %s", data_set)
         answer = self.owner.http.post(f"/v1/data-sets/{data_set}/visibility", json={"visibility": "public"})
         assert answer.status_code == 200, answer.text
 
@@ -100,13 +102,15 @@ class World:
 
     def make_sample(self) -> None:
         """As one that the operator has uploaded: nobody's, seen by everybody."""
-        self.stack.psql("UPDATE data_sets SET owner_id = NULL, is_sample = true, visibility = 'public', published_at = now(), anonymised_at = now() WHERE id = %s", self.data_set_id())
+        self.stack.psql("UPDATE data_sets SET owner_id = NULL, is_sample = true, visibility = 'public', published_at = now(), anonymised_at = now() - interval '1 hour' WHERE id = %s", self.data_set_id())
 
     def person_id(self) -> str:
         return self.owner.http.get(f"/v1/data-sets/{self.data_set_id()}/people").json()["items"][0]["id"]
 
     def link(self) -> dict:
-        return self.owner.http.post(f"/v1/data-sets/{self.data_set_id()}/links", json={"hours": 1}).json()
+        if not self.linked:
+            self.linked = self.owner.http.post(f"/v1/data-sets/{self.data_set_id()}/links", json={"hours": 1}).json()
+        return self.linked
 
     def link_id(self) -> str:
         self.link()
