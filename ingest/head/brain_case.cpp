@@ -17,21 +17,28 @@ struct Level {
   bool fits = false;
 };
 
-/// Bone (not 0), grown by a cell: sutures, and the thin roof of the orbit, are no doors.
-Mask grown_bone(const Coarse& coarse, int z) {
-  const int width = coarse.size[0], height = coarse.size[1];
-  Mask bone(coarse.cells_of_level(), 0);
+/// By a cell in all eight directions.
+Mask grown(const Mask& mask, int width, int height) {
+  Mask larger(mask.size(), 0);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      if (coarse.most[coarse.at(x, y, z)] < kBone) continue;
+      if (!mask[static_cast<std::size_t>(x + width * y)]) continue;
       for (int ny = std::max(0, y - 1); ny <= std::min(height - 1, y + 1); ++ny) {
         for (int nx = std::max(0, x - 1); nx <= std::min(width - 1, x + 1); ++nx) {
-          bone[static_cast<std::size_t>(nx + width * ny)] = 1;
+          larger[static_cast<std::size_t>(nx + width * ny)] = 1;
         }
       }
     }
   }
-  return bone;
+  return larger;
+}
+
+/// Bone (not 0), grown by a cell: sutures, and the thin roof of the orbit, are no doors.
+Mask grown_bone(const Coarse& coarse, int z) {
+  Mask bone(coarse.cells_of_level());
+  const std::size_t first = coarse.at(0, 0, z);
+  for (std::size_t i = 0; i < bone.size(); ++i) bone[i] = coarse.most[first + i] >= kBone;
+  return grown(bone, coarse.size[0], coarse.size[1]);
 }
 
 /// Cells from which one sees bone in nearly all directions of the level. A hole in the shell (a
@@ -116,16 +123,34 @@ std::optional<Brain> find_brain_case(const Coarse& coarse) {
     }
   }
   if (best_count < kLeastLevels) return std::nullopt;
+
   Brain brain;
-  for (int z = best_begin; z < best_begin + best_count; ++z) {
+  const auto take = [&](int z, const Mask& allowed) {
+    Mask& enclosed = levels[static_cast<std::size_t>(z)].enclosed;
+    const std::size_t before = brain.size();
     for (int y = 0; y < coarse.size[1]; ++y) {
       for (int x = 0; x < coarse.size[0]; ++x) {
-        if (levels[static_cast<std::size_t>(z)]
-                .enclosed[static_cast<std::size_t>(x + coarse.size[0] * y)]) {
-          brain.push_back(coarse.place(x, y, z));
-        }
+        const auto cell = static_cast<std::size_t>(x + coarse.size[0] * y);
+        enclosed[cell] = enclosed[cell] && allowed[cell];
+        if (enclosed[cell]) brain.push_back(coarse.place(x, y, z));
       }
     }
+    return brain.size() > before;
+  };
+  const auto mask = [&](int z) -> const Mask& {
+    return levels[static_cast<std::size_t>(z)].enclosed;
+  };
+  // From the vault down, each level at most a cell wider than the one above: what is enclosed
+  // beside the brain is an orbit or a mouth, and to keep that would keep the face.
+  const int top = best_begin + best_count - 1;
+  take(top, Mask(coarse.cells_of_level(), 1));
+  for (int z = top - 1; z >= best_begin; --z) {
+    take(z, grown(mask(z + 1), coarse.size[0], coarse.size[1]));
+  }
+  // Its caps, too small to be a sign of it.
+  for (int z = top + 1; z < coarse.size[2] && take(z, mask(z - 1)); ++z) {
+  }
+  for (int z = best_begin - 1; z >= 0 && take(z, mask(z + 1)); --z) {
   }
   return brain;
 }

@@ -13,23 +13,71 @@ namespace {
 // Of the plane that takes the face: how far its normal points down from straight ahead, and how far
 // in front of the brain it passes. Chosen on the heads of docs/privacy.md.
 constexpr double kDownDegrees = 50;
-constexpr double kBeforeBrainMm = 12;
+constexpr double kBeforeBrainMm = 8;
 constexpr double kBeforeShapeMm = 0;  // an ellipsoid is fuller than a brain where the face begins
+// A brain's longest axis points so far up from straight ahead, in a head that is held upright: the
+// median of four brains without a skull (docs/privacy.md).
+constexpr double kLongAxisUpDegrees = 10;
+constexpr double kMostTurnedDegrees = 75;  // beyond, it is no axis of a head that lies as is said
 
-volume::Region face_cut(const Brain& brain, double before_mm, const volume::Header& header) {
-  const double down = kDownDegrees * std::numbers::pi / 180;
-  const volume::Vector normal{0, -std::cos(down), -std::sin(down)};
-  double most = -1e9;
-  volume::Vector middle{};
+using volume::Vector;
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
+Vector unit(const Vector& v) {
+  const double length = std::hypot(v[0], v[1], v[2]);
+  return {v[0] / length, v[1] / length, v[2] / length};
+}
+
+Vector sum(double a, const Vector& u, double b, const Vector& v) {
+  return {a * u[0] + b * v[0], a * u[1] + b * v[1], a * u[2] + b * v[2]};
+}
+
+double dot(const Vector& u, const Vector& v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
+
+/// `v` turned towards the feet, staying in the upright plane that it lies in.
+Vector lowered(const Vector& v, double degrees) {
+  const Vector feet{0, 0, -1};
+  const Vector down = unit(sum(1, feet, -dot(feet, v), v));
+  return sum(std::cos(radians(degrees)), v, std::sin(radians(degrees)), down);
+}
+
+Vector middle_of(const Brain& brain) {
+  Vector middle{};
   for (const auto& place : brain) {
-    most = std::max(most, normal[1] * place[1] + normal[2] * place[2]);
-    for (std::size_t i = 0; i < 3; ++i) middle[i] += place[i] / static_cast<double>(brain.size());
+    middle = sum(1, middle, 1 / static_cast<double>(brain.size()), place);
   }
-  const double ahead = most + before_mm - (normal[1] * middle[1] + normal[2] * middle[2]);
+  return middle;
+}
+
+/// Where the head looks, by the longest axis of its brain: the axis of the covariance, applied
+/// again and again to straight ahead.
+Vector gaze_of(const Brain& brain) {
+  const Vector ahead{0, -1, 0};
+  const Vector middle = middle_of(brain);
+  Vector axis = ahead;
+  for (int step = 0; step < 60; ++step) {
+    Vector next{};
+    for (const auto& place : brain) {
+      const Vector from = sum(1, place, -1, middle);
+      next = sum(1, next, dot(from, axis), from);
+    }
+    if (dot(next, next) == 0) return ahead;
+    axis = unit(next);
+  }
+  const bool likely = dot(axis, ahead) > std::cos(radians(kMostTurnedDegrees));
+  return likely ? lowered(axis, kLongAxisUpDegrees) : ahead;
+}
+
+volume::Region face_cut(const Brain& brain, const Vector& gaze, double before_mm,
+                        const volume::Header& header) {
+  const Vector normal = lowered(gaze, kDownDegrees);
+  const Vector middle = middle_of(brain);
+  double most = -1e9;
+  for (const auto& place : brain) most = std::max(most, dot(normal, sum(1, place, -1, middle)));
   const WorldBox box = world_box(header);
   volume::Region region{box.low, box.high, {}};
-  region.planes.push_back(
-      {{middle[0], middle[1] + ahead * normal[1], middle[2] + ahead * normal[2]}, normal});
+  region.planes.push_back({sum(1, middle, most + before_mm, normal), normal});
   return region;
 }
 
@@ -44,7 +92,9 @@ HeadFinding find_head(const volume::Volume& volume) {
   if (!brain) return finding;
   finding.found = true;
   finding.sign = ct ? "brain_case" : "head_shape";
-  volume::Region region = face_cut(*brain, ct ? kBeforeBrainMm : kBeforeShapeMm, volume.header);
+  // The brain of an MR is guessed, and always looks straight ahead.
+  volume::Region region = ct ? face_cut(*brain, gaze_of(*brain), kBeforeBrainMm, volume.header)
+                             : face_cut(*brain, {0, -1, 0}, kBeforeShapeMm, volume.header);
   // A cut that would take nothing is none to propose.
   const auto cut = volume::plan_cut(volume.header, region);
   if (cut && cut->kept < volume.header.voxel_count()) finding.proposal = std::move(region);

@@ -156,6 +156,40 @@ TEST(FindHead, TheProposedCutTakesTheFaceAndKeepsTheBrain) {
   }
 }
 
+TEST(FindHead, InCtTheCutFollowsAHeadThatNodsOrLooksAside) {
+  for (const bool nods : {true, false}) {
+    for (const double degrees : {-35.0, -20.0, 20.0, 35.0}) {
+      const double c = std::cos(degrees * 0.0174533), s = std::sin(degrees * 0.0174533);
+      const auto turned = [&](const Vector& p, double by) {
+        return nods ? Vector{p[0], c * p[1] - by * s * p[2], by * s * p[1] + c * p[2]}
+                    : Vector{c * p[0] - by * s * p[1], by * s * p[0] + c * p[1], p[2]};
+      };
+      const auto found = find_head(made(Modality::kCt, {260, 280, 260},
+                                        [&](const Vector& p) { return head_ct(turned(p, -1)); }));
+      ASSERT_TRUE(found.proposal.has_value()) << degrees;
+      const volume::Region::Plane plane = found.proposal->planes.at(0);
+      const auto before = [&](const Vector& own) {  // mm in front of the plane
+        const Vector p = turned(own, 1);
+        double side = 0;
+        for (std::size_t i = 0; i < 3; ++i) side += (p[i] - plane.point[i]) * plane.normal[i];
+        return side;
+      };
+      EXPECT_GT(before({0, -98, -40}), 0) << "the tip of the nose, " << degrees;
+      EXPECT_GT(before({0, -85, -80}), 0) << "the chin, " << degrees;
+      EXPECT_GT(before({30, -80, -25}), 0) << "an eye, " << degrees;
+      double nearest = -1e9;
+      for (double polar = 0; polar < 3.2; polar += 0.1) {
+        for (double around = 0; around < 6.3; around += 0.1) {
+          nearest = std::max(nearest, before({66 * std::sin(polar) * std::cos(around),
+                                              10 + 82 * std::sin(polar) * std::sin(around),
+                                              30 + 62 * std::cos(polar)}));
+        }
+      }
+      EXPECT_LT(nearest, 0) << "the brain, " << degrees;
+    }
+  }
+}
+
 TEST(FindHead, OtherPartsOfTheBodyAreNone) {
   const Vector trunk{400, 300, 200};
   EXPECT_FALSE(find_head(made(Modality::kCt, trunk, abdomen_ct)).found);

@@ -53,3 +53,18 @@ def test_nothing_grows_fast_while_fifty_people_come_and_go(tmp_path):
     watched = {tuple(r["name"].split(" grew")[0].split(": ")) for r in results if " grew by" in r["name"]}
     assert watched >= {(program, what) for program in ("api", "renderd") for what in ("memory", "descriptors", "threads")}
     assert all(r["met"] for r in results)
+
+
+def test_heads_are_told_from_what_is_none_by_kind(tmp_path):
+    """One made body of each kind; `./diaphane bench heads` has twenty, and real scans."""
+    done = bench("heads", "--quick", "--out", str(tmp_path))
+    assert done.returncode == 0, done.stdout + done.stderr
+    report = json.loads((tmp_path / "heads.json").read_text())
+    said = {row["kind"]: (row["is_head"], row["said_head"], row["n"]) for row in report["kinds"]}
+    for modality in ("CT", "MR"):
+        assert said[f"made {modality}: head, whole"] == (True, 1, 1)
+        for other in ("chest", "abdomen", "pelvis", "legs", "hand", "noise", "air and table"):
+            assert said[f"made {modality}: {other}"] == (False, 0, 1), done.stdout
+    lines = list(csv.DictReader((tmp_path / "heads.csv").open()))
+    assert len(lines) == sum(n for _, _, n in said.values()) and all(float(line["seconds"]) > 0 for line in lines)
+    assert "specificity 1.00 (0.21 to 1.00)" in done.stdout

@@ -73,6 +73,20 @@ describe("what can become a volume", () => {
     if (verdict.suitable && verdict.repairs[0]?.kind === "straightened") expect(verdict.repairs[0].degrees).toBeCloseTo(18.5, 6);
   });
 
+  it("says before anything is sent that a file or a scan is larger than the server takes", async () => {
+    const found = await headers(series(() => ({})));
+    const reason = (change: Partial<SliceHeader>) => {
+      const verdict = judge(found.map((slice) => ({ ...slice, ...change })));
+      return verdict.suitable ? "suitable" : verdict.reason;
+    };
+    const sent = (bytes: number) => reason({ voxels: { from: 1000, to: 1000 + bytes, vr: "OW", encapsulated: false } });
+    expect([sent(980e6), sent(2 ** 30), sent(2 ** 30 + 1)]).toEqual(["suitable", "suitable", "too_large"]);
+    // 24 slices of one file; then of one each
+    const sized = (rows: number, one_file: boolean) => reason({ rows, columns: 4096, bits_allocated: 16, ...(one_file ? { file: 0 } : {}) });
+    expect([sized(4096, true), sized(6000, true)]).toEqual(["suitable", "too_large"]);
+    expect([sized(6000, false), sized(12000, false)]).toEqual(["suitable", "too_large"]);
+  });
+
   it.each<[string, Blob[]]>([
     ["too_few_slices", series(() => ({}), 3)],
     ["too_short", series(() => ({}), 24, 0.5)],

@@ -8,6 +8,10 @@ import type { Chosen, LeftOut, Reason, SliceHeader, Unsuitable } from "./types";
 
 export const fewest_slices = 16;
 export const shortest_mm = 20;
+/** What the server takes: of one file, as it is sent and unpacked (ingest/dicom/precheck.h), and of one scan (scan.h). */
+export const most_file_bytes = 2 ** 30;
+export const most_voxels = 2 ** 30;
+export const most_slices = 20_000;
 
 const image_root = "1.2.840.10008.5.1.4.1.1.";
 const slices_of = new Set(["2", "4", "128", "2.1", "2.2", "4.1", "4.4", "128.1", "130"].map((leaf) => image_root + leaf));
@@ -114,6 +118,7 @@ function judge_stack(slices: readonly SliceHeader[], left_out: LeftOut): Chosen 
   if (!found.volume) return refuse(found.reason === "one_position" && first.stack !== "" ? "cine" : found.reason, found.count);
   const height = found.slices * found.spacing;
   if (height < shortest_mm) return refuse("too_short", Math.round(height));
+  if (first.rows * first.columns * found.slices > most_voxels || is_too_large(slices)) return refuse("too_large");
   return {
     suitable: true,
     slices: found.order.flatMap((i) => slices[i] ?? []),
@@ -122,6 +127,16 @@ function judge_stack(slices: readonly SliceHeader[], left_out: LeftOut): Chosen 
     left_out,
     repairs: found.repairs,
   };
+}
+
+/** Some of a file's pictures may not be chosen, but it is sent as one piece. */
+function is_too_large(slices: readonly SliceHeader[]): boolean {
+  if (slices.length > most_slices) return true;
+  const unpacked = new Map<number, number>();
+  for (const { file, rows, columns, bits_allocated } of slices)
+    unpacked.set(file, (unpacked.get(file) ?? 0) + (rows * columns * bits_allocated) / 8);
+  const sent = ({ voxels }: SliceHeader) => (voxels ? voxels.to - voxels.from : 0);
+  return slices.some((slice) => Math.max(sent(slice), unpacked.get(slice.file) ?? 0) > most_file_bytes);
 }
 
 /** Nothing when the two directions are not of unit length and at right angles. */

@@ -121,7 +121,8 @@ export type Reason =
   | "unsupported_compression"
   | "damaged"
   | "too_few_slices"
-  | "too_short";
+  | "too_short"
+  | "too_large";
 
 /** What will be mended of a suitable series, with how much of it. */
 export type Repair =

@@ -2,45 +2,76 @@
 
 from __future__ import annotations
 
+import argparse
 import io
+import os
+import shutil
+import subprocess
 import tarfile
 import tempfile
 import time
+from copy import deepcopy
 from pathlib import Path
 from typing import Callable, Iterator
 
 from ..bench import Result, result
 from ..bench_client import Person
 from ..bench_stack import peak_memory_mb, running
+from ..says import HouseError, say
 from ..stack import Stack
 
-ABOUT = "512 x 512 x 1000 CT, as 1000 files, tilted, and as one enhanced file: seconds to ingest, peak memory"
+ABOUT = "512 x 512 x 1000 CT, as 1000 files (tilted, compressed), as one enhanced file; one of 980 MB: seconds, processor time, memory"
 SIDE, SLICES = 512, 1000
+LARGE = 1868                     # frames of a file of 980 MB; a file may have 1 GiB (ingest/dicom/precheck.h)
 PARTS = ("postgres", "redis", "api", "ingestd", "edge")
 PROGRAMS = ("diaphane-api", "diaphane-ingestd")
 SECONDS, GIGABYTES = 60, 3.0     # on 2 cores
 
 
-def measure(quick: bool) -> list[Result]:
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--only", default="", metavar="TEXT", help="only kinds with this in their name")
+
+
+def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     results = []
     kinds: dict[str, Callable[[], Iterator[bytes]]] = {"1000 files": lambda: _files(0.0)}
     if not quick:
-        kinds |= {"1000 files, tilted by 15 degrees": lambda: _files(0.268), "one enhanced file": _enhanced}
+        kinds |= {"1000 files, tilted by 15 degrees": lambda: _files(0.268),
+                  "1000 files, JPEG lossless": lambda: _files(0.0, "JPEG lossless"),
+                  "1000 files, JPEG 2000": lambda: _files(0.0, "JPEG 2000"),
+                  "one enhanced file": lambda: _enhanced(SLICES),
+                  "one enhanced file of 980 MB": lambda: _enhanced(LARGE)}
     for name, files in kinds.items():
-        with running(only=PARTS) as stack, tempfile.TemporaryDirectory() as folder:
+        if options.only not in name:
+            continue
+        target = name != "one enhanced file of 980 MB"
+        with running(only=PARTS) as stack, tempfile.TemporaryDirectory(dir="/var/tmp") as folder:
             bundle = Path(folder) / "bundle.tar"
             _pack(bundle, files())
             person = Person(stack)
+            begin = time.monotonic()
             data_set = person.upload(bundle)
             sent = time.monotonic()
+            before, load = _processor_time(stack.pids["ingestd"]), os.getloadavg()[0]
             person.wait_ready(data_set, timeout=600)
             seconds = time.monotonic() - sent
+            processor = _processor_time(stack.pids["ingestd"]) - before
             child = _child_peak(stack)
             parent = peak_memory_mb(stack.pids["ingestd"]) / 1e3
             person.delete(data_set)
-        results += [result(f"{name}: last byte to ready", [seconds], "s", at_most=SECONDS),
-                    result(f"{name}: peak of the child and of ingestd together", [child + parent], "GB", at_most=GIGABYTES)]
+            say(f"{name}: {bundle.stat().st_size / 1e6:.0f} MB sent in {sent - begin:.1f} s; load {load:.1f} when it began")
+        results += [result(f"{name}: last byte to ready", [seconds], "s", at_most=SECONDS if target else None),
+                    result(f"{name}: processor time of it", [processor], "s"),
+                    result(f"{name}: peak of the child", [child], "GB"),
+                    result(f"{name}: peak of the child and of ingestd together", [child + parent], "GB",
+                           at_most=GIGABYTES if target else None)]
     return results
+
+
+def _processor_time(pid: int) -> float:
+    """Of a process and of its children that have ended, seconds."""
+    fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace").rpartition(")")[2].split()
+    return sum(int(field) for field in fields[11:15]) / os.sysconf("SC_CLK_TCK")
 
 
 def _pixels(z: int) -> bytes:
@@ -53,7 +84,7 @@ def _pixels(z: int) -> bytes:
     return (noise + tube).astype("<u2").tobytes()
 
 
-def _files(lean: float) -> Iterator[bytes]:
+def _files(lean: float, packing: str = "") -> Iterator[bytes]:
     """1000 slices, 0.7 mm apart, each `lean` mm a mm further down its columns."""
     from ..ingest_cases.phantom import Series, Slice, dataset
 
@@ -64,19 +95,44 @@ def _files(lean: float) -> Iterator[bytes]:
 
     y, z, uid = "12345678.125", "87654321.125", "2.25.11111111111"
     ds = dataset(Blank(), Slice((0.0, float(y), float(z)), pixel=(0.7, 0.7), rows=SIDE, columns=SIDE, intercept=-1024.0, uid=uid))
-    out = io.BytesIO()
-    ds.save_as(out, enforce_file_format=True)
-    head = out.getvalue()[:-2 * SIDE * SIDE]
-    assert all(head.count(text.encode()) >= 1 for text in (y, z, uid))
+    if packing:
+        models = [_packed(ds, _pixels(50 * i), packing) for i in range(20)]     # decoded anew each time: as slow as 1000
+    else:
+        models = [_saved(ds)[:-2 * SIDE * SIDE]]
+    assert all(model.count(text.encode()) >= 1 for text in (y, z, uid) for model in models)
     for i in range(SLICES):
         own = {y: f"{0.7 * i * lean:012.3f}", z: f"{0.7 * i:012.3f}", uid: f"2.25.{11111111112 + i}"}
-        made = head
+        made = models[i % len(models)]
         for text, wanted in own.items():
             made = made.replace(text.encode(), wanted.encode())
-        yield made + _pixels(i)
+        yield made if packing else made + _pixels(i)
 
 
-def _enhanced() -> Iterator[bytes]:
+def _saved(ds) -> bytes:
+    out = io.BytesIO()
+    ds.save_as(out, enforce_file_format=True)
+    return out.getvalue()
+
+
+def _packed(ds, pixels: bytes, packing: str) -> bytes:
+    """The file with these pixels, compressed; JPEG by DCMTK, JPEG 2000 by OpenJPEG."""
+    ds.PixelData = pixels
+    if packing == "JPEG 2000":
+        from pydicom.uid import JPEG2000Lossless
+
+        one = deepcopy(ds)
+        one.compress(JPEG2000Lossless, generate_instance_uid=False)
+        return _saved(one)
+    if not shutil.which("dcmcjpeg"):
+        raise HouseError("there is no dcmcjpeg (Debian's dcmtk)")
+    with tempfile.TemporaryDirectory() as folder:
+        plain, packed = Path(folder) / "plain", Path(folder) / "packed"
+        plain.write_bytes(_saved(ds))
+        subprocess.run(["dcmcjpeg", "+e1", "+un", str(plain), str(packed)], check=True)
+        return packed.read_bytes()
+
+
+def _enhanced(frames: int) -> Iterator[bytes]:
     from ..ingest_cases.phantom import ENHANCED_CT, Series, Slice, enhanced
 
     class Frames(Series):
@@ -84,10 +140,8 @@ def _enhanced() -> Iterator[bytes]:
             import numpy as np
             return np.frombuffer(_pixels(round(one.position[2] / 0.7)), "<u2")
 
-    slices = [Slice((0.0, 0.0, 0.7 * i), pixel=(0.7, 0.7), rows=SIDE, columns=SIDE, intercept=-1024.0) for i in range(SLICES)]
-    out = io.BytesIO()
-    enhanced(Frames(ENHANCED_CT), slices).save_as(out, enforce_file_format=True)
-    yield out.getvalue()
+    slices = [Slice((0.0, 0.0, 0.7 * i), pixel=(0.7, 0.7), rows=SIDE, columns=SIDE, intercept=-1024.0) for i in range(frames)]
+    yield _saved(enhanced(Frames(ENHANCED_CT), slices))
 
 
 def _pack(bundle: Path, files: Iterator[bytes]) -> None:

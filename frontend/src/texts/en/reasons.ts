@@ -29,4 +29,5 @@ export const reasons: Record<Reason, (n: number) => string> = {
   damaged: () => "The files end too early: the disc may be damaged. Copy it again.",
   too_few_slices: (n) => `Too few slices: ${number.format(n)}, and 16 are needed to show depth.`,
   too_short: (n) => `Too few slices: together they are ${number.format(n)} mm high, and 20 mm are needed.`,
+  too_large: () => "This series is larger than can be taken here: a file may have 1 GB, and a scan 1024 × 1024 × 1024 points.",
 };
