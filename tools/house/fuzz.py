@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
@@ -22,6 +23,7 @@ SECONDS_A_RUN, MEGABYTES = 5, 1024
 class Found:
     target: str
     runs: int
+    edges: int      # of the target's code, reached by these runs and the corpora
     words: str      # of the finding; nothing: none
 
     @property
@@ -36,7 +38,7 @@ def run(target: str | None, seconds: int, minimise: bool = False, may_install: b
     chosen = TARGETS if target is None else (target,)
     all_found = fuzz(chosen, seconds)
     for found in all_found:
-        say(f"{found.target:<12} {found.runs:>9} runs: {'nothing found' if found.well else 'FOUND'}")
+        say(f"{found.target:<12} {found.runs:>9} runs, {found.edges:>5} edges reached: {'nothing found' if found.well else 'FOUND'}")
         if not found.well:
             warn(found.words)
     if minimise and all(found.well for found in all_found):
@@ -67,7 +69,8 @@ def _fuzz(folder: Path, name: str, seconds: int) -> Found:
         errors="replace")
     stats = [line.split() for line in done.stderr.splitlines() if line.startswith("stat::number_of_executed_units")]
     words = "" if done.returncode == 0 else "\n".join(done.stderr.splitlines()[-60:])
-    return Found(name, int(stats[0][1]) if stats else 0, words)
+    edges = re.findall(r"^#\d+\s+\w+\s+cov: (\d+)", done.stderr, re.MULTILINE)
+    return Found(name, int(stats[0][1]) if stats else 0, int(edges[-1]) if edges else 0, words)
 
 
 def _environment() -> dict[str, str]:
