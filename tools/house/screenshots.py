@@ -78,6 +78,8 @@ def _pages(browser, stack: Stack, person: Person, shown: str, size: tuple[int, i
             if place.who != who or only not in place.name:
                 continue
             page_walk.go(page, url, place, shown)
+            if page.locator(".viewer canvas").count() > 0:
+                page.wait_for_selector("canvas[data-samples]")
             page.wait_for_timeout(1500 if "view" in place.path else 400)    # pictures that come later
             yield place.name, page
             if place.path == "/add" and who == page_walk.PERSON:

@@ -114,7 +114,7 @@ export const sharing = {
     take_down_preset_lead: "Nobody but its author sees it from then on. It is noted in the audit log.",
     take_down_lead: "Nobody but its owner sees it from then on. Who looks at it is sent away. It is noted in the audit log.",
     reason: "The reason",
-    reason_hint: "Whose it is reads it.",
+    reason_hint: "The person it belongs to will read this.",
     dismiss: "Nothing is wrong",
     dismiss_of: (title: string) => `Nothing is wrong with ${title}`,
   },
