@@ -104,18 +104,14 @@ __global__ void __launch_bounds__(kCameraBlock, DIAPHANE_CAMERA_BLOCKS)
           staged.at(2, before + i) = target_depth(i, count, offset);
         }
       }
-      const auto place = [&](int kind, std::int32_t stratum) {
-        return strata_before(scene.exact, kind) + stratum;
-      };
       const FirstWalk first = walk_camera_ray<kF>(
-          scene, camera, [&](int kind, std::int32_t i) { return staged.at(2, place(kind, i)); },
+          scene, camera, [&](const HitNumber& hit) { return staged.at(2, hit.of_all); },
           own.exponential(),
-          [&](int kind, std::int32_t i, const CellCrossing<TextureVolume>& cell, float depth) {
-            const std::int32_t s = place(kind, i);
-            staged.at(0, s) = cell.way.t0;
-            staged.at(1, s) = cell.way.t1;
-            staged.at(2, s) = depth;
-            item.hits += 1u << 6 * kind;
+          [&](const HitNumber& hit, const CellCrossing<TextureVolume>& cell, float depth) {
+            staged.at(0, hit.of_all) = cell.way.t0;
+            staged.at(1, hit.of_all) = cell.way.t1;
+            staged.at(2, hit.of_all) = depth;
+            item.hits += 1u << 6 * hit.kind;
           });
       transmittance = first.transmittance;
       met |= first.met_matter;

@@ -158,13 +158,12 @@ TEST(FindHits, LeaveOfWhatIsBehindWhatBeerAndLambertSay) {
   auto view = thick.scene.view();
   for (auto& strata : view.exact.strata) strata = 0;
   view.exact.strata[2] = 4;
-  // The last target's depth: opacity (3 + 0.9) / 4.
-  const float furthest = -std::log1p(-3.9f / 4);
+  const float furthest = target_depth(3, 4, 0.9f);
   expect_beer_and_lambert(furthest, [&](float length, Random& random) {
     const auto [ray, span] = Thick::way(length);
     const FirstWalk first = find_hits<kCurved>(
         ray, span, view.volume, view.exact,
-        [](int, std::int32_t stratum) { return target_depth(stratum, 4, 0.9f); },
+        [](const HitNumber& hit) { return target_depth(hit.stratum, 4, 0.9f); },
         random.exponential(), true, [](auto&&...) {});
     return double{first.transmittance};
   });

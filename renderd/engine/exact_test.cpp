@@ -169,6 +169,35 @@ TEST(ExactTables, PiecesGiveTheTableBack) {
   }
 }
 
+TEST(OpacityStrata, CoverTheOpacityAndWeighWhatIsFoundByTheirWidth) {
+  for (std::int32_t count = 1; count <= kMostHits; ++count) {
+    double end = 0;
+    for (std::int32_t i = 0; i < count; ++i) {
+      const OpacityStratum stratum(i, count);
+      EXPECT_NEAR(stratum.begin, end, 1e-6) << i << " of " << count;
+      EXPECT_GT(stratum.width, 0);
+      end = stratum.begin + stratum.width;
+    }
+    EXPECT_NEAR(end, 1, 1e-6) << count;
+    // Light that falls off with the square of what is left: its mean is 1/3, and where every other
+    // stratum is mirrored no single offset is far from it.
+    constexpr int kOffsets = 1000;
+    double sum = 0, furthest = 0;
+    for (int k = 0; k < kOffsets; ++k) {
+      const float offset = (static_cast<float>(k) + 0.5f) / kOffsets;
+      double light = 0;
+      for (std::int32_t i = 0; i < count; ++i) {
+        const double left = std::exp(-double{target_depth(i, count, offset)});
+        light += OpacityStratum(i, count).width * left * left;
+      }
+      sum += light / kOffsets;
+      furthest = std::max(furthest, std::abs(light - 1.0 / 3));
+    }
+    EXPECT_NEAR(sum, 1.0 / 3, 1e-5) << count;
+    if (count % 2 == 0) EXPECT_LT(furthest, 0.5 / (count * count)) << count;
+  }
+}
+
 TEST(FindHits, AreWhereTheOpacityReachesTheirStrata) {
   const test::Prepared p(test::skull_volume(), curves_scene());
   auto view = p.view();
@@ -183,15 +212,17 @@ TEST(FindHits, AreWhereTheOpacityReachesTheirStrata) {
         Features{}.with(Feature::kAreaLights).with(Feature::kEnvironment).with(Feature::kCurves);
     find_hits<kF>(
         way.ray, way.span, view.volume, view.exact,
-        [&](int kind, std::int32_t stratum) {
-          return target_depth(stratum, view.exact.strata[kind], u(kind));
+        [&](const HitNumber& hit) {
+          return target_depth(hit.stratum, view.exact.strata[hit.kind], u(hit.kind));
         },
         1.0f, true,
-        [&](int s, std::int32_t stratum, const CellCrossing<LinearVolume>& c, float to) {
+        [&](const HitNumber& number, const CellCrossing<LinearVolume>& c, float to) {
           const Corners corners = view.volume.corners(c.cell, c.brick);
           const float t = place_in_cell<true>(corners, c.way, view.exact, to);
           const Hit hit{t, corners.at(c.way.at(t))};
-          const double opacity = (stratum + u(s)) / view.exact.strata[s];
+          const OpacityStratum stratum(number.stratum, view.exact.strata[number.kind]);
+          const float share = number.stratum % 2 == 0 ? u(number.kind) : 1 - u(number.kind);
+          const double opacity = stratum.begin + share * stratum.width;
           const double depth = walked_depth(view, {way.ray, {way.span.begin, hit.distance}});
           EXPECT_NEAR(-std::expm1(-depth), opacity, 2e-4);
           EXPECT_NEAR(hit.value, view.volume.at(way.ray.at(hit.distance)), 2.0f);

@@ -140,12 +140,34 @@ struct Hit {
   float value;
 };
 
-/// What a kind's collisions are looked for at: optical depths, one in each of `count` equal strata
-/// of the opacity, all moved by the same offset in (0, 1).
-HOST_DEVICE float target_depth(std::int32_t stratum, std::int32_t count, float offset) {
+/// Of the strata of a ray's opacity, how much narrower than their mean the first are and wider the
+/// last: what lies behind other matter gets less light, so that less can go wrong there. As
+/// measured on the cranium scene (docs/performance.md).
+#if !defined(DIAPHANE_STRATA_TILT)
+#define DIAPHANE_STRATA_TILT 0.4f
+#endif
+inline constexpr float kStrataTilt = DIAPHANE_STRATA_TILT;
+
+/// A stratum of a ray's opacity, from `begin` to `begin + width`.
+struct OpacityStratum {
+  float begin, width;
+
+  /// Number `number` of `count`.
+  HOST_DEVICE OpacityStratum(std::int32_t number, std::int32_t count) {
+    const float one = 1.0f / static_cast<float>(count), x = static_cast<float>(number) * one;
+    begin = x * (1.0f - kStrataTilt + kStrataTilt * x);
+    width = one * (1.0f - kStrataTilt + kStrataTilt * (2.0f * x + one));
+  }
+};
+
+/// The optical depth at which a kind's collision in stratum `number` of `count` is looked for.
+/// `offset` in (0, 1) is the same for all of them, and counts from the end of every other one:
+/// light falls off with the depth, and what is too much in one is too little in the next.
+HOST_DEVICE float target_depth(std::int32_t number, std::int32_t count, float offset) {
+  const OpacityStratum stratum(number, count);
+  const float share = (number & 1) != 0 ? 1.0f - offset : offset;
   // -log(1 - u)
-  return -log1pf(
-      -smaller((static_cast<float>(stratum) + offset) / static_cast<float>(count), 0x1.fffffep-1f));
+  return -log1pf(-smaller(stratum.begin + share * stratum.width, 0x1.fffffep-1f));
 }
 inline constexpr float kNoTarget = 3.4e38f;
 
@@ -183,24 +205,36 @@ HOST_DEVICE bool has_turn([[maybe_unused]] bool one) {
 #endif
 }
 
-/// Collisions of the camera ray in each stratum: `mark(kind, stratum, cell, depth)` is called for
-/// those that there are, in order, with the crossing that holds it and the optical depth from there
-/// to the collision (place_in_cell finds where that is). `target(kind, stratum)` is target_depth.
-/// `ending` is an exponential variate.
+/// Which of a camera ray's collisions.
+struct HitNumber {
+  int kind;
+  std::int32_t stratum;  ///< of the kind
+  std::int32_t of_all;   ///< the same, counted through all kinds
+};
+
+/// Collisions of the camera ray in each stratum: `mark(number, cell, depth)` is called for those
+/// that there are, in order, with the crossing that holds it and the optical depth from there to
+/// the collision (place_in_cell finds where that is). `target(number)` is target_depth. `ending` is
+/// an exponential variate.
 template <Features F, typename Volume, typename Target, typename Mark>
 HOST_DEVICE FirstWalk find_hits(const Ray& ray, Span span, const Volume& volume,
                                 const ExactView& exact, Target&& target, float ending,
                                 bool needs_transmittance, Mark&& mark) {
   constexpr KindList kKinds = hit_kinds<F>();
-  std::int32_t stratum[kKinds.count];
+  std::int32_t first[kKinds.count], stratum[kKinds.count];
   float next[kKinds.count];
   float nearest = kNoTarget, furthest = 0.0f;
   for (int k = 0; k < kKinds.count; ++k) {
-    const std::int32_t count = exact.strata[kKinds.of[k]];
+    const int kind = kKinds.of[k];
+    const std::int32_t count = exact.strata[kind];
+    first[k] = 0;
+    for (int other = 0; other < kind; ++other) first[k] += exact.strata[other];
     stratum[k] = 0;
-    next[k] = count > 0 ? target(kKinds.of[k], 0) : kNoTarget;
+    next[k] = count > 0 ? target(HitNumber{kind, 0, first[k]}) : kNoTarget;
     nearest = smaller(nearest, next[k]);
-    if (count > 0) furthest = larger(furthest, target(kKinds.of[k], count - 1));
+    if (count > 0) {
+      furthest = larger(furthest, target(HitNumber{kind, count - 1, first[k] + count - 1}));
+    }
   }
   const float dark = furthest + (needs_transmittance ? ending : 0.0f);
   DepthWalk<F, Volume> walk(ray, span, volume, exact);
@@ -210,27 +244,27 @@ HOST_DEVICE FirstWalk find_hits(const Ray& ray, Span span, const Volume& volume,
     if (F.has(Feature::kCurves) && !has_turn(walk.in_parts())) continue;
     if (!walk.step(volume, exact, c)) continue;
     while (nearest < walk.depth()) {
-      // One piece of code for all kinds: on a GPU few rays of a warp are here at a time.
-      int which = 0;
-      for (int k = 1; k < kKinds.count; ++k) {
-        if (next[k] == nearest) which = k;
+      // One piece of code for all kinds: on a GPU few rays of a warp are here at a time. By
+      // choices, not by an index: what is indexed would lie in memory.
+      HitNumber here{};
+      std::int32_t count = 0;
+      bool found = false, mine[kKinds.count];
+      for (int k = 0; k < kKinds.count; ++k) {
+        mine[k] = !found && next[k] == nearest;
+        found = found || mine[k];
+        here.kind = mine[k] ? kKinds.of[k] : here.kind;
+        here.stratum = mine[k] ? stratum[k] : here.stratum;
+        here.of_all = mine[k] ? first[k] + stratum[k] : here.of_all;
+        count = mine[k] ? exact.strata[kKinds.of[k]] : count;
       }
-      int kind = kKinds.of[0];
-      std::int32_t here = stratum[0];
-      for (int k = 1; k < kKinds.count; ++k) {
-        if (which == k) {
-          kind = kKinds.of[k];
-          here = stratum[k];
-        }
-      }
-      mark(kind, here, c, nearest - before);
-      const float after = here + 1 < exact.strata[kind] ? target(kind, here + 1) : kNoTarget;
+      mark(here, c, nearest - before);
+      ++here.stratum;
+      ++here.of_all;
+      const float after = here.stratum < count ? target(here) : kNoTarget;
       nearest = kNoTarget;
       for (int k = 0; k < kKinds.count; ++k) {
-        if (which == k) {
-          stratum[k] = here + 1;
-          next[k] = after;
-        }
+        stratum[k] = mine[k] ? here.stratum : stratum[k];
+        next[k] = mine[k] ? after : next[k];
         nearest = smaller(nearest, next[k]);
       }
     }

@@ -50,7 +50,7 @@ HOST_DEVICE HitTask task_of(const SceneView<Volume>& scene, const CameraRay& cam
   const Float3 place = camera.ray.at(hit.distance);
   const Scatter<F> scatter = scatter_at<F>(scene, place, hit.value, camera.direction, chance.a);
   const std::int32_t count = scene.exact.strata[kind];
-  const float share = 1.0f / static_cast<float>(count);
+  const float share = OpacityStratum(stratum, count).width;
   const auto pair = [&](Points::Use use) {
     if (scene.independent_points) return own.two();
     return points.pair(use, points.index() * static_cast<std::uint32_t>(count) +
@@ -64,9 +64,11 @@ HOST_DEVICE HitTask task_of(const SceneView<Volume>& scene, const CameraRay& cam
     }
   }
   if constexpr (F.has(Feature::kEmission)) {
+    // The mean of the kinds' estimates, each as often as it has strata.
     std::int32_t hits = 0;
     for (int k = 0; k < kOnwards; ++k) hits += scene.exact.strata[k];
-    task.radiance = emission_at(scene.transfer, hit.value) * (1.0f / static_cast<float>(hits));
+    task.radiance = emission_at(scene.transfer, hit.value) *
+                    (share * static_cast<float>(count) / static_cast<float>(hits));
   }
   const Strategy strategy = static_cast<Strategy>(kind);
   const LightRay light = light_ray<F>(scene, place, scatter, strategy, pair(points_of(strategy)));
@@ -128,17 +130,17 @@ HOST_DEVICE SampleOf<F> exact_estimate(const SceneView<Volume>& scene, std::uint
   }
   const FirstWalk first = walk_camera_ray<F>(
       scene, sample,
-      [&](int kind, std::int32_t stratum) {
-        return target_depth(stratum, scene.exact.strata[kind], offsets[kind]);
+      [&](const HitNumber& hit) {
+        return target_depth(hit.stratum, scene.exact.strata[hit.kind], offsets[hit.kind]);
       },
       own.exponential(),
-      [&](int kind, std::int32_t stratum, const CellCrossing<Volume>& cell, float depth) {
+      [&](const HitNumber& number, const CellCrossing<Volume>& cell, float depth) {
         const Corners corners = scene.volume.corners(cell.cell, cell.brick);
         const float t =
             place_in_cell<F.has(Feature::kCurves)>(corners, cell.way, scene.exact, depth);
         const Hit hit{t, corners.at(cell.way.at(t))};
-        const HitTask task =
-            task_of<F>(scene, sample.camera, sample.points, sample.random, kind, stratum, hit);
+        const HitTask task = task_of<F>(scene, sample.camera, sample.points, sample.random,
+                                        number.kind, number.stratum, hit);
         radiance += task.radiance;
         if (!task.lit) return;
         TransmittanceWalk<F, Volume> walk(task.ray, task.span, scene.volume, scene.exact,

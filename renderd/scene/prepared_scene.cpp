@@ -63,16 +63,22 @@ std::array<std::int32_t, kHitKinds> strata_for(const PreparedScene& scene) {
   const Float3 e = scene.environment;
   const bool sky = e.x > 0 || e.y > 0 || e.z > 0, maps = !scene.maps.empty(),
              lamps = !scene.lights.empty();
+  // Where rays end within a voxel the light of a pixel's few places varies most, and most rays to
+  // it are short: one pass of more of them is sooner at an error than two.
+  constexpr float kOpaque = 3;
+  const Float3 edges = scene.spacing;
+  const bool opaque = scene.transfer->densest * std::min({edges.x, edges.y, edges.z}) > kOpaque;
+  const std::int32_t lamp = opaque ? 6 : 4, open = opaque ? 13 : 9;
   std::array<std::int32_t, kHitKinds> strata{};
-  if (lamps) strata[kind(Strategy::kAreaLight)] = 5;
+  if (lamps) strata[kind(Strategy::kAreaLight)] = lamp;
   if (lamps && mixes(scene)) strata[kind(Strategy::kAreaLightByScatter)] = 3;
   if (maps) strata[kind(Strategy::kEnvironmentMap)] = 8;
-  if (sky || (maps && mixes(scene))) strata[kind(Strategy::kEnvironment)] = maps ? 5 : 11;
+  if (sky || (maps && mixes(scene))) strata[kind(Strategy::kEnvironment)] = maps ? 5 : open;
   std::int32_t sum = 0;
   for (std::int32_t n : strata) sum += n;
   // One kind alone gets what two would have; matter that glows needs collisions even without
   // lights.
-  if (lamps && sum == 5) strata[kind(Strategy::kAreaLight)] = 12;
+  if (lamps && sum == lamp) strata[kind(Strategy::kAreaLight)] = lamp + open - 1;
   if (sum == 0) strata[kind(Strategy::kEnvironment)] = 8;
   // Paths of very many collisions cost more than the rest together: one of them has the least error
   // in a given time, and a launch of them stays short.

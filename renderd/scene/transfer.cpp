@@ -224,6 +224,7 @@ PreparedTransfer prepare_transfer(const diaphane::v1::TransferFunction& function
   out.cells = grid.cells;
   out.bounds.resize(grid.ranges.size());
   bake(function, minimum, k, out);
+  out.densest = *std::max_element(out.extinction.begin(), out.extinction.end());
   out.margin = static_cast<float>(rounding_margin(grid, k));
   out.exact = make_exact_tables(out.extinction.data(), out.count, k, grid);
   if (grid.ranges.empty()) return out;

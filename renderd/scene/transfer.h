@@ -19,6 +19,7 @@ struct PreparedTransfer {
   std::vector<Float4> emission;   ///< TransferView::emission; empty when none glows
   std::int32_t count = 0;         ///< TransferView, and the three below
   float scale = 0, offset = 0, margin = 0;
+  float densest = 0;               ///< the largest extinction, per mm
   bool steep = false;              ///< needs Feature::kSteepExtinction
   Int3 cells{};                    ///< GridView::size
   std::vector<CellBounds> bounds;  ///< GridView::cells
