@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { vec3 } from "../input/vec3";
+import { cross, dot, vec3 } from "../input/vec3";
 import { bounds_of, dragged, from_proposal, handles, moved, on_screen, part_that_goes, plane_in_box, place_of, range_of, to_body, whole } from "./region";
 
 const bounds = bounds_of({ size: [100, 200, 50], spacing: [1, 1, 4], direction: [1, 0, 0, 0, 1, 0, 0, 0, 1] });
@@ -23,6 +23,26 @@ test("what the server proposes is what it is told again", () => {
   const side = (p: readonly number[]) => p.reduce((sum, v, i) => sum + v * (normal[i] ?? 0), 0);
   expect(side(plane?.point ?? [])).toBeCloseTo(side([3, -20, -30]), 9);
   expect(to_body(whole(bounds)).planes).toEqual([]);
+});
+
+test("a proposal for a head that looks aside stays the plane that it is, and is drawn in it", () => {
+  const normal = [0.35, -0.75, -0.56].map((v, _, all) => v / Math.hypot(...all));
+  const point = [12, -40, -25];
+  const region = from_proposal({ box: { low: [-50, -100, -100], high: [50, 100, 100] }, planes: [{ point, normal }] }, bounds);
+  const side = (p: readonly number[]) => p.reduce((sum, v, i) => sum + v * (normal[i] ?? 0), 0);
+  const plane = to_body(region).planes?.[0];
+  plane?.normal.forEach((v, i) => { expect(v).toBeCloseTo(normal[i] ?? 0, 9); });
+  expect(side(plane?.point ?? [])).toBeCloseTo(side(point), 9);
+  const polygon = plane_in_box(region);
+  expect(polygon.length).toBeGreaterThanOrEqual(3);
+  for (const p of polygon) expect(side([p.x, p.y, p.z])).toBeCloseTo(side(point), 6);
+  // In order around: each turn goes the same way.
+  const along = (i: number) => {
+    const p = polygon[i % polygon.length] ?? vec3(0, 0, 0), q = polygon[(i + 1) % polygon.length] ?? vec3(0, 0, 0);
+    return vec3(q.x - p.x, q.y - p.y, q.z - p.z);
+  };
+  const turns = polygon.map((_, i) => Math.sign(dot(cross(along(i), along(i + 1)), vec3(normal[0] ?? 0, normal[1] ?? 0, normal[2] ?? 0))));
+  expect(new Set(turns).size).toBe(1);
 });
 
 test("no handle leaves the scan, and the box never closes", () => {
@@ -67,7 +87,7 @@ test("a handle stays under the hand that drags it", () => {
 });
 
 test("the plane's polygon lies in the plane and in the box", () => {
-  const region = { ...whole(bounds), plane: { on: true, tilt: 50, offset: 20 } };
+  const region = { ...whole(bounds), plane: { on: true, tilt: 50, aside: 0, offset: 20 } };
   const points = plane_in_box(region);
   expect(points.length).toBe(4);
   for (const p of points) {
@@ -80,5 +100,5 @@ test("the plane's polygon lies in the plane and in the box", () => {
 test("how much goes is said about right", () => {
   expect(part_that_goes(whole(bounds), bounds)).toBe(0);
   expect(part_that_goes(moved({ kind: "face", axis: "z", side: "high" }, 0, whole(bounds), bounds), bounds)).toBeCloseTo(0.5, 6);
-  expect(part_that_goes({ ...whole(bounds), plane: { on: true, tilt: 0, offset: 0 } }, bounds)).toBeCloseTo(0.5, 6);
+  expect(part_that_goes({ ...whole(bounds), plane: { on: true, tilt: 0, aside: 0, offset: 0 } }, bounds)).toBeCloseTo(0.5, 6);
 });

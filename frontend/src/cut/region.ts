@@ -1,11 +1,13 @@
 import { orbit_frame, orbit_of, type CameraPose } from "../input/camera";
-import { add, dot, scale, subtract, vec3, type Vec3 } from "../input/vec3";
+import { add, cross, dot, scale, subtract, vec3, type Vec3 } from "../input/vec3";
 
-/** A plane across the patient's left and right: how far its normal points down from straight ahead, and where it is. */
+/** Where a plane's normal points, from straight ahead, and where the plane is. */
 export interface FacePlane {
   readonly on: boolean;
   /** Degrees: 0 cuts the front off upright, 90 the bottom off level. */
   readonly tilt: number;
+  /** Degrees to the patient's left, for a head that looks aside. */
+  readonly aside: number;
   /** mm from the middle of the scan, along the normal. */
   readonly offset: number;
 }
@@ -33,16 +35,19 @@ export function bounds_of(volume: { readonly size: readonly number[]; readonly s
 }
 
 export function plane_normal(plane: FacePlane): Vec3 {
-  const down = (plane.tilt * Math.PI) / 180;
-  return vec3(0, -Math.cos(down), -Math.sin(down));
+  const down = radians(plane.tilt), aside = radians(plane.aside);
+  return vec3(Math.cos(down) * Math.sin(aside), -Math.cos(down) * Math.cos(aside), -Math.sin(down));
 }
+
+const radians = (degrees: number): number => (degrees * Math.PI) / 180;
+const degrees = (angle: number): number => (angle * 180) / Math.PI;
 
 const clamp = (value: number, low: number, high: number): number => Math.min(high, Math.max(low, value));
 
 /** All of it, and a plane that is off but ready: in front of and below the middle. */
 export function whole(bounds: Box): Region {
   const reach = bounds.high.y;
-  return { low: bounds.low, high: bounds.high, plane: { on: false, tilt: 50, offset: reach * 0.5 } };
+  return { low: bounds.low, high: bounds.high, plane: { on: false, tilt: 50, aside: 0, offset: reach * 0.5 } };
 }
 
 /** How the server says a region. */
@@ -59,8 +64,8 @@ export function from_proposal(proposal: RegionBody, bounds: Box): Region {
   const first = proposal.planes?.[0];
   if (!first) return start;
   const normal = vector(first.normal);
-  const tilt = (Math.atan2(-normal.z, -normal.y) * 180) / Math.PI;
-  const plane = { on: true, tilt, offset: 0 };
+  const tilt = degrees(Math.atan2(-normal.z, Math.hypot(normal.x, normal.y)));
+  const plane = { on: true, tilt, aside: degrees(Math.atan2(normal.x, -normal.y)), offset: 0 };
   return { ...start, plane: { ...plane, offset: dot(plane_normal(plane), vector(first.point)) } };
 }
 
@@ -82,7 +87,7 @@ export const handles: readonly Handle[] = [
 export function range_of(handle: Handle, region: Region, bounds: Box): { readonly at: number; readonly low: number; readonly high: number } {
   if (handle.kind === "plane") {
     const normal = plane_normal(region.plane);
-    const reach = Math.abs(normal.y) * bounds.high.y + Math.abs(normal.z) * bounds.high.z;
+    const reach = Math.abs(normal.x) * bounds.high.x + Math.abs(normal.y) * bounds.high.y + Math.abs(normal.z) * bounds.high.z;
     return { at: region.plane.offset, low: -reach, high: reach };
   }
   const { axis, side } = handle;
@@ -122,9 +127,11 @@ export function plane_in_box(region: Region): Vec3[] {
   }
   const middle = middle_of(crossing);
   if (!middle) return [];
-  // The plane holds the x axis: around it by x and the direction across.
-  const across = vec3(0, normal.z, -normal.y);
-  const angle = (p: Vec3) => Math.atan2(dot(subtract(p, middle), across), p.x - middle.x);
+  // Around it by the level direction that it holds and the one across.
+  const aside = radians(region.plane.aside);
+  const level = vec3(Math.cos(aside), Math.sin(aside), 0);
+  const across = cross(normal, level);
+  const angle = (p: Vec3) => Math.atan2(dot(subtract(p, middle), across), dot(subtract(p, middle), level));
   return crossing.sort((p, q) => angle(p) - angle(q));
 }
 

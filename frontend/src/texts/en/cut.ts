@@ -10,6 +10,7 @@ export const cut = {
   face_plane: "Slanted cut for the face",
   plane: "Slanted cut, place",
   tilt: "Slanted cut, steepness",
+  aside: "Slanted cut, turned to a side",
   faces: {
     x: { low: "Right side", high: "Left side" },
     y: { low: "Front", high: "Back" },

@@ -101,7 +101,10 @@ function Sliders({ region, bounds, change }: SlidersProps) {
         {t.cut.face_plane}
       </label>
       {plane.on ? (
-        <Slider label={t.cut.tilt} low={0} high={90} at={plane.tilt} said={t.cut.degrees} change={(tilt, rest) => change({ ...region, plane: { ...plane, tilt } }, rest)} />
+        <>
+          <Slider label={t.cut.tilt} low={0} high={90} at={plane.tilt} said={t.cut.degrees} change={(tilt, rest) => change({ ...region, plane: { ...plane, tilt } }, rest)} />
+          <Slider label={t.cut.aside} low={-60} high={60} at={plane.aside} said={t.cut.degrees} change={(aside, rest) => change({ ...region, plane: { ...plane, aside } }, rest)} />
+        </>
       ) : null}
       {handles.filter((handle) => handle.kind === "face" || plane.on).map((handle) => {
         // The whole way, so that the thumb stands where the face is; what would close the box is not taken.
