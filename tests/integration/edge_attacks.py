@@ -118,7 +118,8 @@ def _lengths(one: Request) -> list[Attack]:
 
 
 def _headers(one: Request) -> list[Attack]:
-    hidden = b"X-Padding: " + b"p" * 512 + b"\r\nX: GET /v1/sessions HTTP/1.1\r\nY: b\r\n"
+    # Wherever the listener cut it, a line of a request would follow, though of an unknown method.
+    hidden = b"X: " + b"P" * 700 + b" /v1/sessions HTTP/1.1\r\nY: b\r\n"
     made = [Attack("headers", f"{name} in one more {header.decode()}", one.data(header + b": a" + byte + b"b\r\n" + hidden))
             for name, byte in _BYTES.items()
             for header in (b"Cookie", b"X-CSRF-Token", b"Origin", b"Authorization", b"X-Any", b"Idempotency-Key")]

@@ -10,9 +10,9 @@ from collections import Counter
 import pytest
 from api_client import person
 from attack_plan import Cell, Tally, all_of_them, cells, fault_of, printed, routes, some_of, table
-from attack_run import run
+from attack_run import Sent, changes, run, state_of
 from edge_attacks import Attack, Request, attacks_on
-from edge_help import Undisturbed
+from edge_help import Undisturbed, talk
 from who_may_table import OPERATIONS
 from who_may_world import ROLES, known_hash
 
@@ -65,6 +65,22 @@ def test_a_few_routes_stand_the_whole_list(attacked, password_hash, ordinary):
     found = run(attacked, password_hash, cells(chosen, ("nobody", "owner")), all_of_them, drip_seconds=0, anew=False)
     print(printed(table(found.tallies)))
     assert found.misses == []
+
+
+@pytest.mark.parametrize("path", [b"/v1/sessions", b"/v1/none"])
+def test_a_request_that_came_past_the_edge_would_be_seen(attacked, path):
+    sent = Sent(attacked)
+    assert sent.smuggled() == []
+    talk(attacked.ports["api"], b"GET " + path + b" HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
+    assert len(sent.smuggled()) == 1
+
+
+def test_what_changes_would_be_seen(attacked, somebody):
+    before = state_of(attacked)
+    made = somebody.data_set(10)["data_set"]["id"]
+    found = changes(before, state_of(attacked))
+    assert any(made in one and one.startswith("new: data_sets") for one in found)
+    somebody.http.delete(f"/v1/data-sets/{made}")
 
 
 # The plan itself
