@@ -72,8 +72,11 @@ def for_generation(spec: dict[str, Any]) -> dict[str, Any]:
 
 
 def settings(spec: dict[str, Any]) -> str:
-    """schemathesis.toml: which operation may be answered with which failure."""
-    lines = []
+    """schemathesis.toml: which operation may be answered with which failure.
+
+    A header that is missing: 412 where it is Tus-Resumable (tus 1.0), 404 where there is no such upload, else 422.
+    """
+    lines = ["[checks]\nmissing_required_header.expected-statuses = [404, 412, 422]\n"]
     for _, _, operation in CONTRACT.operations():
         if stated := [status for status in operation["responses"] if status.startswith("5")]:
             lines.append(f'[[operations]]\ninclude-operation-id = "{operation["operationId"]}"\n'
@@ -84,6 +87,7 @@ def settings(spec: dict[str, Any]) -> str:
 def run(stack: TestStack, folder: Path, phases: tuple[str, ...] = PHASES, examples: int = 10, seed: int = 1,
         only: tuple[str, ...] = ()) -> Found:
     """`examples`: for each operation, of what is drawn; `only`: these operations."""
+    # One worker: two of them fall over each other in Hypothesis 6.148's cache of sources.
     (folder / "openapi.yaml").write_text(yaml.safe_dump(for_generation(CONTRACT.spec), sort_keys=False), encoding="utf-8")
     (folder / "schemathesis.toml").write_text(settings(CONTRACT.spec), encoding="utf-8")
     add_worker(stack, "schemathesis", slots=1000, seconds=3600)
@@ -95,7 +99,7 @@ def run(stack: TestStack, folder: Path, phases: tuple[str, ...] = PHASES, exampl
         [str(Path(sys.executable).with_name("st")), "run", "openapi.yaml", "--url", stack.url,
          "--generation-with-security-parameters", "false",
          "--checks", ",".join(CHECKS), "--phases", ",".join(phases), "--seed", str(seed), "--max-examples", str(examples),
-         "--generation-database", "none", "--no-shrink", "--workers", "2", "--request-timeout", "30", "--continue-on-failure",
+         "--generation-database", "none", "--no-shrink", "--workers", "1", "--request-timeout", "30", "--continue-on-failure",
          "--warnings", "off", "--no-color", "--suppress-health-check", "all", *chosen],
         cwd=folder, capture_output=True, text=True, env={
             **os.environ, "SCHEMATHESIS_HOOKS": "contract_hooks", "PYTHONPATH": f"{Path(__file__).parent}:{Path(__file__).parents[1]}",
@@ -105,4 +109,4 @@ def run(stack: TestStack, folder: Path, phases: tuple[str, ...] = PHASES, exampl
     lives = stack.psql("SELECT 1 FROM web_sessions s JOIN users u ON u.id = s.user_id WHERE u.email = 'schemathesis@example.org'")
     stack.psql("DELETE FROM users WHERE email = 'schemathesis@example.org'")
     output = done.stdout + done.stderr + ("" if lives else "\nthe session that asked was ended")
-    return Found(output, done.returncode == 0 and "No issues found" in done.stdout and bool(lives))
+    return Found(output, done.returncode == 0 and "No issues found" in done.stdout and "Traceback" not in output and bool(lives))

@@ -93,6 +93,15 @@ def test_each_answer_of_the_edge_has_its_security_headers_and_says_what_is_wrong
         assert b"nginx/" not in answer
 
 
+@pytest.mark.parametrize(("line", "allowed"), [
+    (b"TRACE /v1/me", [b"GET, HEAD, POST, PATCH, DELETE, OPTIONS"]), (b"PUT /scans", [b"GET, HEAD"]), (b"POST /", [b"GET, HEAD"]), (b"PUT /stream", [b"GET"]),
+    (b"POST /v1/me", [b"GET, HEAD"]), (b"GET /none.js", [])])  # the last but one in the REST side's own words
+def test_a_method_that_is_not_allowed_is_told_which_are(edge, line, allowed):
+    answer = talk(edge.ports["edge"], line + b" HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
+    assert statuses(answer) == ([405] if allowed else [404])
+    assert [one.partition(b": ")[2] for one in answer.split(b"\r\n") if one.startswith(b"Allow: ")] == allowed
+
+
 def test_pipelined_requests_are_answered_in_order(edge, ordinary):
     paths = [f"/v1/data-sets/{i:08d}-0000-4000-8000-000000000000" for i in range(100)]
     requests = b"".join(f"GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode() for path in paths)

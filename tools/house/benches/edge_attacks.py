@@ -14,7 +14,7 @@ from ..bench import Result, result
 from ..bench_stack import running
 from ..says import say
 
-ABOUT = "the edge's attacks by route and role: sent, refused, answered, misses; an ordinary client meanwhile (--routes, --roles)"
+ABOUT = "the edge's attacks by route and role: sent, refused, answered, misses; an ordinary client meanwhile (--routes, --roles, --each)"
 PROGRAMS = ("diaphane-api",)
 PAGE = True
 
@@ -22,6 +22,7 @@ PAGE = True
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--routes", help="operations, groups of them or pages, with commas (default: all)")
     parser.add_argument("--roles", help="with commas (default: all)")
+    parser.add_argument("--each", type=int, help="attacks at a route and role, others at the next (default: all of the list)")
     parser.add_argument("--out", type=Path, default=paths.REPO / "out" / "edge-attacks", help="CSV and JSON go there")
 
 
@@ -37,6 +38,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     wanted = options.routes.split(",") if options.routes else None
     roles = tuple(options.roles.split(",")) if options.roles else ROLES
     chosen = [one for one in routes() if wanted is None or one.name in wanted or one.group in wanted]
+    choice = some_of(4) if quick else some_of(options.each) if options.each else all_of_them
     tallies: dict[Cell, Tally] = {}
     misses: list[str] = []
     begun = time.monotonic()
@@ -47,7 +49,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
         # A group at a time: what may not change is compared before and after it.
         for group in dict.fromkeys(one.group for one in chosen):
             here = cells([one for one in chosen if one.group == group], roles)
-            found = run(stack, stored, here, some_of(4) if quick else all_of_them, 3 if quick else 12, anew=not quick)
+            found = run(stack, stored, here, choice, 3 if quick else 12, anew=not quick)
             tallies |= found.tallies
             misses += found.misses
             say(f"{group}: {sum(one.sent for one in found.tallies.values())} sent, {len(found.misses)} misses, {time.monotonic() - begun:.0f} s")
