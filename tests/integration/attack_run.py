@@ -92,6 +92,12 @@ def mark(world: World) -> None:
         world.stack.psql("UPDATE presets SET name = %s WHERE data_set_id = %s", world.word, world.data_set)
 
 
+def make_room(stack: TestStack) -> None:
+    """What is limited by count, of all people together, is counted anew."""
+    forget_attempts(stack)
+    stack.psql("DELETE FROM visits")
+
+
 def addresses() -> Iterator[str]:
     """Of the loopback, one after the other: what is limited by address is no part of this."""
     for number in count():
@@ -142,7 +148,7 @@ class Attacker:
             statuses = [int(found) for found in STATUS_LINE.findall(answer)]
             if last or not any(status in (429, 503) and status not in aimed.cell.route.stated for status in statuses):
                 break
-            await asyncio.to_thread(forget_attempts, self.stack)
+            await asyncio.to_thread(make_room, self.stack)
         self.judge(aimed, attack, answer)
         return statuses
 

@@ -68,3 +68,19 @@ def test_heads_are_told_from_what_is_none_by_kind(tmp_path):
     lines = list(csv.DictReader((tmp_path / "heads.csv").open()))
     assert len(lines) == sum(n for _, _, n in said.values()) and all(float(line["seconds"]) > 0 for line in lines)
     assert "specificity 1.00 (0.21 to 1.00)" in done.stdout
+
+
+def test_attacks_are_told_by_group_of_routes_and_role(tmp_path):
+    done = bench("edge-attacks", "--quick", "--routes", "getMe,/", "--roles", "nobody,owner", "--out", str(tmp_path), "--json", str(tmp_path / "results.json"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    lines = list(csv.DictReader((tmp_path / "edge-attacks.csv").open()))
+    assert [(line["group"], line["role"]) for line in lines] == [(group, role) for group in ("accounts", "pages") for role in ("nobody", "owner")]
+    assert all(int(line["sent"]) == sum(int(line[ended]) for ended in ("refused", "answered", "closed")) > 0 for line in lines)
+    assert json.loads((tmp_path / "edge-attacks.json").read_text())["misses"] == []
+
+
+def test_the_contract_is_told_by_phase(tmp_path):
+    done = bench("contract", "--only", "getMe", "--phases", "coverage", "--json", str(tmp_path / "results.json"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    results = {r["name"]: r["value"] for r in json.loads((tmp_path / "results.json").read_text())["results"]}
+    assert results["coverage: cases"] > 3 and results["coverage: findings"] == 0
