@@ -1,0 +1,336 @@
+// Laws of the plan over random worlds, carried out by the simulated cluster with every fault that
+// it knows. Each seed is a world of its own.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <deque>
+#include <map>
+#include <set>
+
+#include "operator/plan/simulated_cluster.h"
+#include "operator/plan/scale.h"
+#include "operator/plan/test_world.h"
+
+namespace diaphane::fleet {
+namespace {
+
+class Worlds : public testing::TestWithParam<int> {};
+
+/// What one plan reserves beside what its world holds must fit.
+void expect_room(const World& world, const Plan& plan) {
+  std::map<std::string, int> taken;
+  for (const Worker& worker : world.workers) ++taken[worker.node];
+  std::set<std::string> names;
+  for (const CreateWorker& made : all<CreateWorker>(plan)) {
+    ++taken[made.node];
+    EXPECT_TRUE(names.insert(made.name).second) << made.name << " twice in one plan";
+    const auto node = std::find_if(world.nodes.begin(), world.nodes.end(),
+                                   [&](const Node& n) { return n.name == made.node; });
+    ASSERT_NE(node, world.nodes.end());
+    EXPECT_LE(taken[made.node] + node->foreign_gpus, node->gpus) << "on " << made.node;
+    EXPECT_FALSE(node->cordoned);
+  }
+}
+
+/// A cluster with an operator whose caches lag, whose writes fail, and which dies between them.
+class Chaos {
+ public:
+  explicit Chaos(int seed) : cluster_(static_cast<std::uint64_t>(seed)), seed_(seed) {
+    const int nodes = 1 + cluster_.up_to(5);
+    for (int i = 0; i < nodes; ++i) {
+      Node& node = cluster_.add_node("node-" + std::to_string(i), cluster_.up_to(4));
+      if (node.gpus > 1 && cluster_.chance(0.2)) node.foreign_gpus = 1;
+      if (cluster_.chance(0.8)) node.labels["gpu"] = "yes";
+      nodes_.push_back(node.name);
+    }
+    const int fleets = 1 + cluster_.up_to(1);
+    for (int i = 0; i < fleets; ++i) {
+      Fleet& fleet = cluster_.add_fleet("fleet-" + std::to_string(i));
+      fleet.spec.sessions_per_worker = 1 + cluster_.up_to(4);
+      fleet.spec.min_idle_slots = cluster_.up_to(3);
+      fleet.spec.max_refill_per_second = cluster_.chance(0.5) ? 0 : 0.5 + cluster_.up_to(2);
+      fleet.spec.drain_timeout = 20 + cluster_.up_to(40);
+      fleet.spec.max_replicas = 1 + cluster_.up_to(12);
+      if (cluster_.chance(0.5)) fleet.spec.scale_to_zero_after = 30;
+      if (cluster_.chance(0.3)) fleet.spec.replicas = cluster_.up_to(5);
+      if (cluster_.chance(0.3)) fleet.spec.strategy = Strategy::kPacked;
+      if (cluster_.chance(0.3)) fleet.spec.node_selector["gpu"] = "yes";
+      fleets_.push_back(fleet.name);
+    }
+  }
+
+  /// One round of the operator, `lag` rounds behind in all but its own resources.
+  Plan reconcile(bool faults) {
+    World world = cluster_.observed();
+    past_.push_back(world);
+    if (past_.size() > 4) past_.pop_front();
+    if (faults && cluster_.chance(0.4)) world.pods = some_past().pods;
+    if (faults && cluster_.chance(0.4)) world.nodes = some_past().nodes;
+    if (faults && cluster_.chance(0.4)) world.telemetry = some_past().telemetry;
+    if (faults && cluster_.chance(0.05)) world.nodes.clear();  // an odd read
+    if (faults && cluster_.chance(0.05)) world.pods.clear();
+    const Plan made = plan(world, random_++);
+    if (checks_room) expect_room(world, made);
+    for (const Action& action : made.actions) {
+      if (faults && cluster_.chance(0.05)) break;     // it dies, another leads
+      if (faults && cluster_.chance(0.1)) continue;   // this write failed
+      cluster_.apply(action);
+      if (faults && cluster_.chance(0.2)) cluster_.apply(action);  // answered twice
+    }
+    return made;
+  }
+
+  void trouble() {
+    const std::string node = nodes_[static_cast<std::size_t>(cluster_.up_to(int(nodes_.size()) - 1))];
+    World& world = cluster_.world();
+    const auto some_worker = [&]() -> Worker* {
+      if (world.workers.empty()) return nullptr;
+      return &world.workers[static_cast<std::size_t>(cluster_.up_to(int(world.workers.size()) - 1))];
+    };
+    Worker* worker = some_worker();
+    switch (cluster_.up_to(13)) {
+      case 0:
+        if (worker) cluster_.crash_pod(worker->name);
+        break;
+      case 1:
+        cluster_.lose_node(node);
+        break;
+      case 2:
+        cluster_.return_node(node);
+        break;
+      case 3:
+      case 4:
+        for (Node& one : world.nodes) {
+          if (one.name == node) one.cordoned = !one.cordoned;
+        }
+        break;
+      case 5:
+        if (worker) cluster_.hang(worker->name, cluster_.chance(0.5));
+        break;
+      case 6:
+        cluster_.silence(cluster_.chance(0.5));
+        break;
+      case 7:
+        cluster_.refuse(node, cluster_.chance(0.5));
+        break;
+      case 8:  // by hand
+        if (worker && !worker->deleted) worker->deleted = world.now;
+        break;
+      case 9:
+        if (worker) worker->finalizer = worker->deleted.has_value();
+        break;
+      case 10:
+        if (worker) worker->drain.reset();
+        break;
+      case 11:
+        for (Pod& pod : world.pods) {
+          if (pod.owned && cluster_.chance(0.2)) pod.labelled = false;
+        }
+        break;
+      case 12: {
+        Fleet& fleet = world.fleets[static_cast<std::size_t>(cluster_.up_to(int(world.fleets.size()) - 1))];
+        fleet.spec.template_hash = "hash-" + std::to_string(cluster_.up_to(2));
+        ++fleet.generation;
+        break;
+      }
+      default: {  // a name is taken by somebody else's pod with our label
+        Pod pod;
+        pod.name = fleets_.front() + "-" + std::to_string(cluster_.up_to(3));
+        pod.uid = "foreign-" + std::to_string(world.now);
+        const bool taken = std::any_of(world.pods.begin(), world.pods.end(),
+                                       [&](const Pod& p) { return p.name == pod.name; });
+        if (!taken && cluster_.chance(0.3)) world.pods.push_back(pod);
+      }
+    }
+    people();
+  }
+
+  void people() {
+    for (const std::string& fleet : fleets_) {
+      if (cluster_.chance(0.3)) cluster_.want_sessions(fleet, cluster_.up_to(12));
+    }
+  }
+
+  /// All faults end; who wants a session goes on to want it.
+  void mend() {
+    for (const std::string& node : nodes_) {
+      cluster_.return_node(node);
+      cluster_.refuse(node, false);
+    }
+    for (const Worker& worker : cluster_.world().workers) cluster_.hang(worker.name, false);
+    for (Node& node : cluster_.world().nodes) node.cordoned = false;
+    cluster_.silence(false);
+  }
+
+  void run(int seconds, bool faults) {
+    for (int i = 0; i < seconds; ++i) {
+      if (faults && cluster_.chance(0.3)) trouble();
+      reconcile(faults);
+      cluster_.step();
+    }
+  }
+
+  SimulatedCluster& cluster() { return cluster_; }
+  const World& some_past() {
+    return past_[static_cast<std::size_t>(cluster_.up_to(int(past_.size()) - 1))];
+  }
+  bool checks_room = true;
+
+ private:
+  SimulatedCluster cluster_;
+  int seed_;
+  std::uint64_t random_ = 1;
+  std::deque<World> past_;
+  std::vector<std::string> nodes_, fleets_;
+};
+
+std::string said(const std::vector<std::string>& violations) {
+  std::string words;
+  for (const std::string& one : violations) words += one + "; ";
+  return words;
+}
+
+/// Ready, current, as many as wanted, or as many as there is room for.
+void expect_settled(const World& world, int room) {
+  const Plan next = plan(world, 1);
+  EXPECT_EQ(deeds(next), 0u) << "action " << next.actions.front().index();
+  for (const Fleet& fleet : world.fleets) {
+    int ready = 0, outdated = 0;
+    bool idle = false;
+    for (const Worker& worker : world.workers) {
+      if (worker.fleet != fleet.name) continue;
+      EXPECT_FALSE(worker.drain) << worker.name << " still drains";
+      EXPECT_FALSE(worker.deleted);
+      EXPECT_TRUE(worker.finalizer && worker.labelled);
+      const Condition* is = nullptr;
+      for (const Condition& one : worker.status.conditions) {
+        if (one.type == "Ready") is = &one;
+      }
+      ready += is && is->status == Truth::kTrue;
+      for (const Telemetry& sample : world.telemetry) {
+        idle |= sample.worker_uid == worker.uid && sample.sessions == 0;
+      }
+      outdated += worker.template_hash != fleet.spec.template_hash;
+    }
+    const Demand* demand = nullptr;
+    for (const Demand& one : world.demand) {
+      if (one.fleet == fleet.name) demand = &one;
+    }
+    const Wanted wanted = wanted_workers(fleet.spec, demand, ready, world.now);
+    const bool limited = std::any_of(
+        fleet.status.conditions.begin(), fleet.status.conditions.end(),
+        [](const Condition& c) { return c.type == "CapacityLimited" && c.status == Truth::kTrue; });
+    // Whoever has somebody's session stays, though it is not needed.
+    EXPECT_TRUE(ready <= wanted.most || !idle) << fleet.name;
+    if (ready < wanted.least) {
+      EXPECT_TRUE(limited && (room == 0 || !fleet.spec.node_selector.empty()))
+          << fleet.name << " has " << ready << " of " << wanted.least << ", room " << room;
+    } else {
+      EXPECT_FALSE(limited) << fleet.name;
+    }
+    const bool tight = room == 0 || !fleet.spec.node_selector.empty();
+    EXPECT_TRUE(outdated == 0 || tight) << fleet.name;
+  }
+}
+
+int room_of(const World& world) {
+  int room = 0;
+  for (const Node& node : world.nodes) {
+    int free = node.gpus - node.foreign_gpus;
+    for (const Worker& worker : world.workers) free -= worker.node == node.name;
+    room += std::max(free, 0);
+  }
+  return room;
+}
+
+TEST_P(Worlds, ReserveNoMoreThanThereIsMoveNobodyAndSettle) {
+  Chaos chaos(GetParam());
+  chaos.run(150, true);
+  chaos.mend();
+  chaos.run(900, false);
+  const World world = chaos.cluster().observed();
+  expect_settled(world, room_of(world));
+  EXPECT_TRUE(chaos.cluster().violations().empty()) << said(chaos.cluster().violations());
+}
+
+TEST_P(Worlds, EveryReservationIsReleasedWhenTheFleetGoes) {
+  Chaos chaos(GetParam());
+  chaos.run(100, true);
+  chaos.mend();
+  for (Fleet& fleet : chaos.cluster().world().fleets) {
+    fleet.finalizer = true;
+    fleet.deleted = chaos.cluster().world().now;
+  }
+  chaos.run(300, false);
+  const World& world = chaos.cluster().world();
+  EXPECT_TRUE(world.workers.empty()) << world.workers.front().name;
+  EXPECT_TRUE(world.fleets.empty());
+  for (const Pod& pod : world.pods) EXPECT_FALSE(pod.owned) << pod.name;
+  EXPECT_TRUE(chaos.cluster().violations().empty()) << said(chaos.cluster().violations());
+}
+
+TEST_P(Worlds, APlanIsTheSameTwiceAndInAnyOrderAndDoneTwiceIsDoneOnce) {
+  Chaos chaos(GetParam());
+  std::mt19937_64 random(static_cast<std::uint64_t>(GetParam()));
+  for (int i = 0; i < 100; ++i) {
+    chaos.run(1, true);
+    World world = chaos.cluster().observed();
+    const Plan once = plan(world, 5), again = plan(world, 5);
+    std::shuffle(world.workers.begin(), world.workers.end(), random);
+    std::shuffle(world.pods.begin(), world.pods.end(), random);
+    std::shuffle(world.nodes.begin(), world.nodes.end(), random);
+    std::shuffle(world.telemetry.begin(), world.telemetry.end(), random);
+    const Plan shuffled = plan(world, 5);
+    ASSERT_EQ(once.actions.size(), again.actions.size());
+    ASSERT_EQ(once.actions.size(), shuffled.actions.size());
+    EXPECT_EQ(once.requeue_after, again.requeue_after);
+    EXPECT_EQ(all<CreateWorker>(once), all<CreateWorker>(shuffled));
+    EXPECT_EQ(all<CreatePod>(once), all<CreatePod>(shuffled));
+    EXPECT_EQ(all<SetDrain>(once), all<SetDrain>(shuffled));
+    EXPECT_EQ(all<DeleteWorker>(once), all<DeleteWorker>(again));
+    EXPECT_EQ(all<DeletePod>(once), all<DeletePod>(again));
+    EXPECT_EQ(all<SetWorkerStatus>(once), all<SetWorkerStatus>(shuffled));
+    SimulatedCluster one = chaos.cluster();
+    for (const Action& action : once.actions) one.apply(action);
+    const std::size_t workers = one.world().workers.size(), pods = one.world().pods.size();
+    // Whoever leads next has other random numbers, and the same needs.
+    for (const Action& action : plan(world, 6).actions) one.apply(action);
+    EXPECT_EQ(one.world().workers.size(), workers);
+    EXPECT_EQ(one.world().pods.size(), pods);
+  }
+}
+
+TEST_P(Worlds, AnOperatorPausedBeyondItsLeaseDoesNoHarm) {
+  Chaos chaos(GetParam());
+  chaos.run(60, false);
+  for (int i = 0; i < 6; ++i) {
+    // It planned, was stopped, and carries out what it planned when another has led for a while.
+    const Plan paused = plan(chaos.cluster().observed(), 77);
+    for (int second = 0; second < 5 * (i + 1); ++second) {
+      if (chaos.cluster().chance(0.3)) chaos.people();
+      chaos.run(1, false);
+    }
+    if (i % 2 == 1) chaos.trouble();
+    for (const Action& action : paused.actions) chaos.cluster().apply(action);
+    for (const Node& node : chaos.cluster().world().nodes) {
+      EXPECT_LE(chaos.cluster().pods_on(node.name) + node.foreign_gpus, std::max(node.gpus, node.foreign_gpus));
+    }
+  }
+  chaos.mend();
+  chaos.run(900, false);
+  const World world = chaos.cluster().observed();
+  expect_settled(world, room_of(world));
+  EXPECT_TRUE(chaos.cluster().violations().empty()) << said(chaos.cluster().violations());
+}
+
+/// More worlds than each run has: DIAPHANE_WORLDS.
+int worlds() {
+  const char* many = std::getenv("DIAPHANE_WORLDS");
+  return many ? std::max(1, std::atoi(many)) : 60;
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, Worlds, testing::Range(1, 1 + worlds()));
+
+}  // namespace
+}  // namespace diaphane::fleet

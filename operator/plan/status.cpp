@@ -1,0 +1,168 @@
+#include <algorithm>
+#include <tuple>
+
+#include "operator/plan/parts.h"
+
+namespace diaphane::fleet {
+namespace {
+
+/// The numbers of a fleet are written no more often.
+constexpr Seconds kBetweenWrites = 1;
+/// Ready for so long, a worker's failures are forgotten.
+constexpr Seconds kForgiven = 120;
+
+/// With the time of `before` where the status is the same.
+Condition condition(const std::vector<Condition>& before, std::string type, Truth status,
+                    std::string reason, std::string message, Seconds now) {
+  const Condition* same = find(before, type);
+  const Seconds since = same && same->status == status ? same->since : now;
+  return {std::move(type), status, std::move(reason), std::move(message), since};
+}
+
+Truth truth(bool holds) { return holds ? Truth::kTrue : Truth::kFalse; }
+
+bool same_status(const FleetStatus& a, const FleetStatus& b) {
+  const auto all = [](const FleetStatus& s) {
+    return std::tie(s.observed_generation, s.replicas, s.ready_replicas, s.slots_total,
+                    s.slots_used, s.slots_reserved, s.refusals, s.conditions);
+  };
+  return all(a) == all(b);
+}
+
+struct Counts {
+  int active = 0, ready = 0, coming = 0, leaving = 0, sick = 0;
+};
+
+Counts count(const FleetView& fleet) {
+  Counts counts;
+  for (const WorkerView* view : fleet.workers) {
+    if (view->leaving()) {
+      ++counts.leaving;
+      continue;
+    }
+    ++counts.active;
+    counts.ready += view->health == Health::kReady;
+    counts.coming += view->health == Health::kComing;
+    counts.sick += view->health == Health::kUnhealthy || view->health == Health::kNodeLost ||
+                   view->worker->status.failures > 0;
+  }
+  return counts;
+}
+
+std::vector<Condition> conditions_of(const FleetView& fleet, const Scaling& scaling,
+                                     const Counts& counts, Seconds now) {
+  const std::vector<Condition>& before = fleet.fleet->status.conditions;
+  std::vector<Condition> all;
+  const auto add = [&](const char* type, bool holds, std::string reason, std::string message) {
+    all.push_back(
+        condition(before, type, truth(holds), std::move(reason), std::move(message), now));
+  };
+  const std::string of = std::to_string(counts.ready) + " of " + std::to_string(scaling.wanted);
+  const bool available = counts.ready > 0 || scaling.wanted == 0;
+  add("Available", available, available ? "Ready" : "NoWorkerReady", of + " workers are ready");
+  std::string progress = "Settled";
+  if (fleet.fleet->deleted) {
+    progress = "Deleting";
+  } else if (scaling.outdated > 0) {
+    progress = scaling.waiting ? "WaitingForRoom" : "Upgrading";
+  } else if (counts.leaving > 0) {
+    progress = "Draining";
+  } else if (counts.coming > 0 || scaling.missing > 0 || counts.ready < scaling.wanted) {
+    progress = "Scaling";
+  }
+  add("Progressing", progress != "Settled", progress, "");
+  add("Degraded", counts.sick > 0, counts.sick > 0 ? "WorkersFail" : "AllWell",
+      counts.sick > 0 ? std::to_string(counts.sick) + " workers are lost, not heard of or ended"
+                      : "");
+  const bool asked = fleet.demand && now - fleet.demand->sampled <= kFresh;
+  const bool metrics = fleet.metrics_fresh && asked;
+  add("MetricsFresh", metrics, metrics ? "Fresh" : fleet.metrics_fresh ? "NoDemand" : "NoTelemetry",
+      metrics ? "" : "no worker is taken away until it is");
+  add("CapacityLimited", scaling.missing > 0, scaling.missing > 0 ? "NoNodeHasRoom" : "Enough",
+      scaling.missing > 0 ? std::to_string(scaling.missing) + " workers missing; " + scaling.why
+                          : "");
+  return all;
+}
+
+}  // namespace
+
+const Condition* find(const std::vector<Condition>& conditions, std::string_view type) {
+  for (const Condition& one : conditions) {
+    if (one.type == type) return &one;
+  }
+  return nullptr;
+}
+
+void plan_worker_status(const WorkerView& view, Draft& draft) {
+  const Worker& worker = *view.worker;
+  WorkerStatus status = worker.status;
+  const Seconds now = draft.now;
+  const Pod* pod = view.pod;
+  if (pod && (pod->phase == Phase::kFailed || pod->phase == Phase::kSucceeded) &&
+      status.failed_pod != pod->uid) {
+    ++status.failures;
+    status.failed_pod = pod->uid;
+    status.failed_at = now;
+  } else if (status.failures > 0 && view.health == Health::kReady && pod &&
+             now - std::max(status.failed_at, pod->created) > kForgiven) {
+    status.failures = 0;
+  }
+  if (pod) status.epoch = std::max(status.epoch, pod->epoch);
+  status.observed_generation = worker.generation;
+  status.conditions.clear();
+  const auto add = [&](const char* type, bool holds, std::string reason) {
+    status.conditions.push_back(
+        condition(worker.status.conditions, type, truth(holds), std::move(reason), "", now));
+  };
+  // Unknown for how long no pod was seen: that is what a release waits for.
+  const bool bound = view.beats || (pod && !pod->node.empty());
+  status.conditions.push_back(
+      condition(worker.status.conditions, "Scheduled",
+                !pod && !bound ? Truth::kUnknown : truth(bound),
+                bound                  ? "Bound"
+                : !pod                 ? "NoPod"
+                : pod->unschedulable ? "Unschedulable"
+                                       : "Waiting",
+                "", now));
+  const bool ready = view.health == Health::kReady && !view.leaving();
+  add("Ready", ready, ready ? "TakesSessions" : view.leaving() ? "Draining" : "NotYet");
+  // Who took the drain out by hand is told here until it is put back.
+  const Condition* draining = find(worker.status.conditions, "Draining");
+  const bool was = draining && draining->status == Truth::kTrue;
+  add("Draining", worker.drain || was,
+      worker.drain ? std::string(to_string(worker.drain->reason))
+      : was        ? draining->reason
+                   : "InUse");
+  add("Unhealthy", view.health == Health::kUnhealthy,
+      view.health == Health::kUnhealthy ? "NoHeartbeat" : "Heard");
+  add("NodeLost", view.health == Health::kNodeLost,
+      view.health == Health::kNodeLost ? "NodeSilent" : "Heard");
+  if (status != worker.status) draft.add(SetWorkerStatus{worker.name, worker.uid, status});
+}
+
+void plan_fleet_status(const FleetView& fleet, const Scaling& scaling, Draft& draft) {
+  const FleetStatus& before = fleet.fleet->status;
+  const Counts counts = count(fleet);
+  FleetStatus status = before;
+  status.observed_generation = fleet.fleet->generation;
+  status.replicas = counts.active;
+  status.ready_replicas = counts.ready;
+  status.slots_total = counts.ready * fleet.fleet->spec.sessions_per_worker;
+  if (fleet.demand) {
+    status.slots_used = fleet.demand->used;
+    status.slots_reserved = fleet.demand->reserved;
+  }
+  status.refusals = refusals_of(fleet, draft.now);
+  status.conditions = conditions_of(fleet, scaling, counts, draft.now);
+  if (same_status(status, before)) return;
+  // A node's refusal is waited for, and so is that a change was seen.
+  const bool urgent = status.refusals != before.refusals ||
+                      status.observed_generation != before.observed_generation;
+  if (!urgent && draft.now - before.written < kBetweenWrites) {
+    return draft.wake(before.written + kBetweenWrites);
+  }
+  status.written = draft.now;
+  draft.add(SetFleetStatus{fleet.fleet->name, fleet.fleet->uid, status});
+}
+
+}  // namespace diaphane::fleet

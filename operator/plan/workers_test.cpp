@@ -1,0 +1,375 @@
+// One worker's life, and each row of "When things fail" that is a decision.
+#include <gtest/gtest.h>
+
+#include "operator/plan/parts.h"
+#include "operator/plan/test_world.h"
+
+namespace diaphane::fleet {
+namespace {
+
+/// A fleet of one worker, on node a, whose pod runs.
+World one_running(int sessions = 0) {
+  World world = test_world(2);
+  world.fleets[0].spec.replicas = 1;
+  add_running(world, 0, "a", sessions);
+  return world;
+}
+
+/// As status says it after `seconds` of the same.
+void settle(World& world, Seconds seconds = 0) {
+  for (const SetWorkerStatus& one : all<SetWorkerStatus>(plan(world, 1))) {
+    for (Worker& worker : world.workers) {
+      if (worker.uid == one.uid) worker.status = one.status;
+    }
+  }
+  for (const SetFleetStatus& one : all<SetFleetStatus>(plan(world, 1))) {
+    world.fleets[0].status = one.status;
+  }
+  world.now += seconds;
+  for (Demand& demand : world.demand) demand.sampled = world.now;
+}
+
+void beat(World& world) {
+  for (Telemetry& sample : world.telemetry) sample.sampled = world.now;
+}
+
+std::optional<DrainReason> drained(const World& world) {
+  const auto found = all<SetDrain>(plan(world, 1));
+  if (found.empty()) return std::nullopt;
+  return found.front().drain.reason;
+}
+
+Truth says(const World& world, const char* type) {
+  World copy = world;
+  settle(copy);
+  const Condition* is = find(copy.workers[0].status.conditions, type);
+  return is ? is->status : Truth::kUnknown;
+}
+
+TEST(Workers, FirstTheReservationThenThePodThenNothing) {
+  World world = test_world(1);
+  world.fleets[0].spec.replicas = 1;
+  Plan next = plan(world, 1);
+  EXPECT_EQ(deeds(next), 1u);
+  EXPECT_EQ(all<CreateWorker>(next).size(), 1u);
+  add_worker(world, 0, "a").status.epoch = 0;
+  next = plan(world, 1);
+  EXPECT_EQ(deeds(next), 1u);
+  EXPECT_EQ(all<CreatePod>(next),
+            (std::vector<CreatePod>{{"render-0", "uid-0", "a", "one", 1}}));
+  world.workers[0].status.epoch = 1;
+  const Worker worker = world.workers[0];
+  add_pod(world, worker);
+  add_sample(world, worker, 0);
+  settle(world);
+  next = plan(world, 1);
+  EXPECT_TRUE(next.actions.empty());
+  EXPECT_TRUE(next.requeue_after.has_value());
+}
+
+TEST(Workers, NothingIsDoneBeforeEverythingHasBeenListed) {
+  World world = test_world(2);
+  world.fleets[0].spec.replicas = 2;
+  world.complete = false;
+  EXPECT_TRUE(plan(world, 1).actions.empty());
+}
+
+// pod crash
+TEST(WhenThingsFail, AnEndedPodIsCountedRemovedAndMadeAgainAfterAPause) {
+  World world = one_running();
+  world.telemetry.clear();
+  world.pods[0].phase = Phase::kFailed;
+  EXPECT_EQ(deeds(plan(world, 1)), 0u);  // counted first
+  settle(world);
+  EXPECT_EQ(world.workers[0].status.failures, 1);
+  settle(world);
+  EXPECT_EQ(world.workers[0].status.failures, 1);  // once
+  EXPECT_EQ(all<DeletePod>(plan(world, 1)),
+            (std::vector<DeletePod>{{"render-0", "pod-of-uid-0"}}));
+  world.pods.clear();
+  EXPECT_TRUE(all<CreatePod>(plan(world, 1)).empty());
+  EXPECT_NEAR(plan(world, 1).requeue_after.value(), 1, 1e-9);
+  world.now += 1;
+  const auto made = all<CreatePod>(plan(world, 1));
+  ASSERT_EQ(made.size(), 1u);
+  EXPECT_EQ(made[0].epoch, 2);
+  EXPECT_EQ(made[0].node, "a");  // its reservation
+}
+
+TEST(WhenThingsFail, APodThatEndsAgainAndAgainIsGivenUpAndItsNodeLeftAlone) {
+  World world = one_running();
+  world.telemetry.clear();
+  world.pods[0].phase = Phase::kFailed;
+  world.workers[0].status.failures = kMostFailures;
+  world.workers[0].status.failed_pod = world.pods[0].uid;
+  EXPECT_EQ(drained(world), std::nullopt);  // its refusal is written down first
+  settle(world);
+  ASSERT_EQ(world.fleets[0].status.refusals.size(), 1u);
+  EXPECT_EQ(world.fleets[0].status.refusals[0].node, "a");
+  EXPECT_EQ(drained(world), DrainReason::kFailing);
+  const auto other = all<CreateWorker>(plan(world, 1));
+  ASSERT_EQ(other.size(), 1u);
+  EXPECT_EQ(other[0].node, "b");
+}
+
+TEST(WhenThingsFail, FailuresAreForgivenAfterTwoMinutes) {
+  World world = one_running();
+  world.workers[0].status.failures = 2;
+  world.workers[0].status.failed_at = world.now - 119;
+  settle(world);
+  EXPECT_EQ(world.workers[0].status.failures, 2);
+  settle(world, 2);
+  beat(world);
+  settle(world);
+  EXPECT_EQ(world.workers[0].status.failures, 0);
+}
+
+// node lost
+TEST(WhenThingsFail, ALostNodeIsReplacedAndItsPlaceHeldUntilItIsKnownToBeGone) {
+  World world = one_running(1);
+  world.nodes[0].ready = false;
+  world.now += 2;
+  EXPECT_EQ(deeds(plan(world, 1)), 0u);  // its heartbeat is two seconds old
+  world.now += 2;
+  world.demand[0].sampled = world.now;
+  EXPECT_EQ(says(world, "NodeLost"), Truth::kTrue);
+  Plan next = plan(world, 1);
+  EXPECT_EQ(deeds(next), 1u);
+  ASSERT_EQ(all<CreateWorker>(next).size(), 1u);
+  EXPECT_EQ(all<CreateWorker>(next)[0].node, "b");
+  // Marked by hand, or deleted: then it drains, without waiting for its sessions.
+  for (const bool deleted : {false, true}) {
+    World gone = world;
+    add_running(gone, 1, "b", 0);
+    settle(gone, 6);
+    beat(gone);
+    gone.telemetry[0].sampled -= 20;
+    if (deleted) {
+      gone.nodes.erase(gone.nodes.begin());
+    } else {
+      gone.nodes[0].taints.push_back({"node.kubernetes.io/out-of-service", "", "NoExecute"});
+    }
+    EXPECT_EQ(drained(gone), DrainReason::kNodeLost);
+    gone.workers[0].drain = Drain{DrainReason::kNodeLost, gone.now};
+    EXPECT_EQ(all<DeleteWorker>(plan(gone, 1)).size(), 1u);
+    gone.workers[0].deleted = gone.now;
+    EXPECT_EQ(all<DeletePod>(plan(gone, 1)).size(), 1u);
+    EXPECT_TRUE(all<RemoveFinalizer>(plan(gone, 1)).empty());
+    gone.pods.erase(gone.pods.begin());
+    EXPECT_TRUE(all<RemoveFinalizer>(plan(gone, 1)).empty());
+    settle(gone, kConfirmed);
+    EXPECT_EQ(all<RemoveFinalizer>(plan(gone, 1)).size(), 1u);
+  }
+}
+
+// one odd read
+TEST(WhenThingsFail, OneOddReadKillsNobody) {
+  void (*const odd[])(World&) = {
+      [](World& w) { w.nodes.clear(); },
+      [](World& w) { w.nodes[0].ready = false; },
+      [](World& w) { w.pods.clear(); },
+      [](World& w) { w.pods[0].ready = false; },
+      [](World& w) { w.pods[0].phase = Phase::kUnknown; },
+      [](World& w) { w.telemetry.clear(); },
+      [](World& w) { w.telemetry[0].busy = std::numeric_limits<double>::quiet_NaN(); },
+      [](World& w) { w.telemetry[0].epoch = 77; },
+      [](World& w) { w.demand.clear(); },
+  };
+  for (std::size_t i = 0; i < std::size(odd); ++i) {
+    World world = one_running(1);
+    settle(world);
+    odd[i](world);
+    const Plan next = plan(world, 1);
+    EXPECT_TRUE(all<SetDrain>(next).empty()) << i;
+    EXPECT_TRUE(all<DeleteWorker>(next).empty()) << i;
+    EXPECT_TRUE(all<DeletePod>(next).empty()) << i;
+    EXPECT_TRUE(all<RemoveFinalizer>(next).empty()) << i;
+  }
+  World fleetless = one_running(1);
+  fleetless.fleets.clear();
+  EXPECT_EQ(deeds(plan(fleetless, 1)), 0u);
+}
+
+TEST(WhenThingsFail, AWorkerThatIsNotHeardOfIsReplacedAndAfterAMinuteDrained) {
+  World world = one_running(1);
+  add_running(world, 1, "b", 0);
+  world.fleets[0].spec.replicas = 2;
+  world.telemetry[0].sampled = world.now - 4;
+  EXPECT_EQ(says(world, "Unhealthy"), Truth::kTrue);
+  EXPECT_EQ(drained(world), std::nullopt);
+  EXPECT_EQ(all<CreateWorker>(plan(world, 1)).size(), 1u);
+  world.telemetry[0].sampled = world.now - 61;
+  EXPECT_EQ(drained(world), DrainReason::kUnhealthy);
+}
+
+// Redis down
+TEST(WhenThingsFail, WhenNobodyIsHeardOfKubernetesIsBelieved) {
+  World world = test_world(4);
+  for (int i = 0; i < 4; ++i) add_running(world, i, std::string(1, char('a' + i)), 0);
+  settle(world, 300);
+  world.demand[0].sampled -= 300;
+  EXPECT_EQ(deeds(plan(world, 1)), 0u);
+  settle(world);
+  const Condition* fresh = find(world.fleets[0].status.conditions, "MetricsFresh");
+  ASSERT_TRUE(fresh);
+  EXPECT_EQ(fresh->status, Truth::kFalse);
+}
+
+// leader lost
+TEST(WhenThingsFail, TheNextLeaderFindsReservationsInTheWorkers) {
+  World world = test_world(1);
+  world.fleets[0].spec.replicas = 2;
+  add_worker(world, 0, "a");
+  add_worker(world, 1, "a");  // the one before died before it made their pods
+  world.telemetry.clear();
+  world.listening_since = world.now;
+  const Plan next = plan(world, 99);
+  EXPECT_TRUE(all<CreateWorker>(next).empty());
+  EXPECT_EQ(all<CreatePod>(next).size(), 2u);
+}
+
+// replayed events
+TEST(WhenThingsFail, WhatAnEarlierPodSaidIsNotTakenForThisOnes) {
+  World world = one_running();
+  world.workers[0].drain = Drain{DrainReason::kIdle, world.now - 5};
+  world.telemetry[0].draining = true;
+  EXPECT_EQ(all<DeleteWorker>(plan(world, 1)).size(), 1u);
+  world.pods[0].epoch = 2;
+  EXPECT_TRUE(all<DeleteWorker>(plan(world, 1)).empty());
+  world.pods[0].epoch = 1;
+  world.pods[0].created = world.now;  // of the same number, but made since
+  EXPECT_TRUE(all<DeleteWorker>(plan(world, 1)).empty());
+}
+
+TEST(WhenThingsFail, UnschedulableReleasesBacksOffAndTakesTheNextNode) {
+  World world = one_running();
+  world.telemetry.clear();
+  world.pods[0].phase = Phase::kPending;
+  world.pods[0].node.clear();
+  world.pods[0].ready = false;
+  world.pods[0].unschedulable = world.now - 1;
+  EXPECT_EQ(deeds(plan(world, 1)), 0u);
+  settle(world);
+  ASSERT_EQ(world.fleets[0].status.refusals.size(), 1u);
+  EXPECT_EQ(all<DeleteWorker>(plan(world, 1)).size(), 1u);
+  world.workers[0].deleted = world.now;
+  const auto next = all<CreateWorker>(plan(world, 1));
+  ASSERT_EQ(next.size(), 1u);
+  EXPECT_EQ(next[0].node, "b");
+}
+
+TEST(WhenThingsFail, SomebodyElsesPodIsLeftAlone) {
+  World world = one_running();
+  Pod foreign;
+  foreign.name = "render-7";
+  foreign.labelled = false;
+  foreign.phase = Phase::kFailed;
+  world.pods.push_back(foreign);
+  settle(world);
+  EXPECT_TRUE(plan(world, 1).actions.empty());
+  // In the way of ours: another name is taken.
+  world.pods.clear();
+  world.telemetry.clear();
+  foreign.name = "render-0";
+  foreign.uid = "theirs";
+  world.pods.push_back(foreign);
+  const Plan next = plan(world, 1);
+  EXPECT_TRUE(all<DeletePod>(next).empty());
+  EXPECT_TRUE(all<CreatePod>(next).empty());
+  EXPECT_EQ(all<DeleteWorker>(next).size(), 1u);
+  world.workers[0].deleted = world.now;
+  settle(world);
+  const auto other = all<CreateWorker>(plan(world, 1));
+  ASSERT_EQ(other.size(), 1u);
+  EXPECT_EQ(other[0].name, "render-1");
+}
+
+TEST(WhenThingsFail, AnEditedOrDeletedChildIsPutBack) {
+  World world = one_running(1);
+  settle(world);
+  world.workers[0].finalizer = false;
+  world.pods[0].labelled = false;
+  world.fleets[0].finalizer = false;
+  EXPECT_EQ(all<Restore>(plan(world, 1)).size(), 2u);  // the pod's when the finalizer is back
+  world.workers[0].finalizer = true;
+  const auto restored = all<Restore>(plan(world, 1));
+  ASSERT_EQ(restored.size(), 2u);
+  EXPECT_EQ(restored[0].kind, Kind::kPod);
+  EXPECT_EQ(restored[1].kind, Kind::kFleet);
+
+  World undrained = one_running(1);
+  undrained.workers[0].drain = Drain{DrainReason::kCordoned, undrained.now - 7};
+  settle(undrained);
+  undrained.workers[0].drain.reset();
+  const auto drain = all<SetDrain>(plan(undrained, 1));
+  ASSERT_EQ(drain.size(), 1u);
+  EXPECT_EQ(drain[0].drain.reason, DrainReason::kCordoned);
+
+  World deleted = one_running(1);
+  deleted.workers[0].deleted = deleted.now;  // kubectl delete renderworker
+  EXPECT_EQ(drained(deleted), DrainReason::kDeleted);
+  EXPECT_EQ(all<CreateWorker>(plan(deleted, 1)).size(), 1u);
+  EXPECT_TRUE(all<DeletePod>(plan(deleted, 1)).empty());
+
+  World evicted = one_running(1);
+  evicted.pods[0].terminating = evicted.now;  // kubectl delete pod: waited for, then made again
+  EXPECT_EQ(deeds(plan(evicted, 1)), 0u);
+}
+
+// drain, cordon
+TEST(WhenThingsFail, ACordonDrainsAndSessionsHaveTheirGrace) {
+  World world = one_running(2);
+  world.fleets[0].spec.drain_timeout = 60;
+  world.nodes[0].cordoned = true;
+  EXPECT_EQ(drained(world), DrainReason::kCordoned);
+  world.workers[0].drain = Drain{DrainReason::kCordoned, world.now};
+  EXPECT_TRUE(all<DeleteWorker>(plan(world, 1)).empty());
+  world.now += 10;
+  beat(world);
+  world.telemetry[0].draining = true;
+  EXPECT_TRUE(all<DeleteWorker>(plan(world, 1)).empty());  // two look still
+  World empty = world;
+  empty.telemetry[0].sessions = 0;
+  EXPECT_EQ(all<DeleteWorker>(plan(empty, 1)).size(), 1u);
+  empty.telemetry[0].reserved = 1;
+  EXPECT_TRUE(all<DeleteWorker>(plan(empty, 1)).empty());
+  empty.telemetry[0].reserved = 0;
+  empty.telemetry[0].draining = false;  // it has not heard of it yet, and may take somebody
+  EXPECT_TRUE(all<DeleteWorker>(plan(empty, 1)).empty());
+  world.now += 50;
+  EXPECT_EQ(all<DeleteWorker>(plan(world, 1)).size(), 1u);
+}
+
+TEST(WhenThingsFail, ADeletedFleetDrainsItsWorkersAndGoesLast) {
+  World world = one_running(1);
+  world.fleets[0].deleted = world.now;
+  EXPECT_EQ(drained(world), DrainReason::kDeleted);
+  EXPECT_TRUE(all<CreateWorker>(plan(world, 1)).empty());
+  EXPECT_TRUE(all<RemoveFinalizer>(plan(world, 1)).empty());
+  world.workers.clear();
+  world.pods.clear();
+  const auto last = all<RemoveFinalizer>(plan(world, 1));
+  ASSERT_EQ(last.size(), 1u);
+  EXPECT_EQ(last[0].kind, Kind::kFleet);
+}
+
+TEST(Status, IsWrittenAtMostOnceASecondAndOnlyOnChange) {
+  World world = one_running(1);
+  settle(world);
+  EXPECT_TRUE(all<SetFleetStatus>(plan(world, 1)).empty());
+  world.demand[0].used = 3;
+  world.now += 0.5;
+  EXPECT_TRUE(all<SetFleetStatus>(plan(world, 1)).empty());
+  EXPECT_NEAR(plan(world, 1).requeue_after.value(), 0.5, 1e-9);
+  world.now += 0.5;
+  const auto written = all<SetFleetStatus>(plan(world, 1));
+  ASSERT_EQ(written.size(), 1u);
+  EXPECT_EQ(written[0].status.slots_used, 3);
+  EXPECT_EQ(written[0].status.slots_total, 4);
+  world.fleets[0].generation = 2;
+  world.fleets[0].status.written = world.now;
+  EXPECT_EQ(all<SetFleetStatus>(plan(world, 1)).at(0).status.observed_generation, 2);
+}
+
+}  // namespace
+}  // namespace diaphane::fleet
