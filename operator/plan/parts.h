@@ -37,10 +37,10 @@ struct Draft {
 /// What scaling came to, for the fleet's conditions.
 struct Scaling {
   int wanted = 0;
-  int missing = 0;        ///< wanted, but no node has room for them
-  int outdated = 0;       ///< of an earlier template, not draining
-  bool waiting = false;   ///< an outdated one has sessions that have nowhere to go
-  std::string why;        ///< nodes were left out
+  int missing = 0;       ///< wanted, but no node has room for them
+  int outdated = 0;      ///< of an earlier template, not draining
+  bool waiting = false;  ///< an outdated one has sessions that have nowhere to go
+  std::string why;       ///< nodes were left out
 };
 
 /// One worker from its reservation to its end.

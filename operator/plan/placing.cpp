@@ -9,7 +9,7 @@
 namespace diaphane::fleet {
 namespace {
 
-constexpr std::array kReasons{"not ready", "cordoned", "not selected", "tainted",
+constexpr std::array kReasons{"not ready",         "cordoned",      "not selected", "tainted",
                               "without telemetry", "tried in vain", "full"};
 
 bool tolerated(const Taint& taint, const std::vector<Toleration>& tolerations) {

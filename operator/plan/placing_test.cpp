@@ -153,11 +153,15 @@ TEST(Placing, ANodeThatCannotTakeItIsLeftOutAndSaidWhy) {
       {"0 of 1 nodes: 1 not selected",
        [](World& w) { w.fleets[0].spec.node_selector["zone"] = "north"; }},
       {"0 of 1 nodes: 1 tainted",
-       [](World& w) { w.nodes[0].taints.push_back({"gpu", "yes", "NoSchedule"}); }},
+       [](World& w) {
+         w.nodes[0].taints.push_back({"gpu", "yes", "NoSchedule"});
+       }},
       {"0 of 1 nodes: 1 full", [](World& w) { w.nodes[0].foreign_gpus = 2; }},
       {"0 of 1 nodes: 1 full", [](World& w) { w.nodes[0].gpus = 0; }},
       {"0 of 1 nodes: 1 tried in vain",
-       [](World& w) { w.fleets[0].status.refusals.push_back({"a", 1, w.now - 1}); }},
+       [](World& w) {
+         w.fleets[0].status.refusals.push_back({"a", 1, w.now - 1});
+       }},
       {"0 of 0 nodes", [](World& w) { w.nodes.clear(); }},
   };
   for (const auto& one : cases) {

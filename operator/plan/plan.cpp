@@ -40,9 +40,8 @@ Plan plan(const World& world, std::uint64_t seed) {
   }
   if (!world.fleets.empty() || !world.workers.empty()) draft.wake(world.now + kLookAgain);
   // What frees and what is remembered comes before what takes.
-  std::stable_sort(
-      draft.plan.actions.begin(), draft.plan.actions.end(),
-      [](const Action& a, const Action& b) { return a.index() < b.index(); });
+  std::stable_sort(draft.plan.actions.begin(), draft.plan.actions.end(),
+                   [](const Action& a, const Action& b) { return a.index() < b.index(); });
   return std::move(draft.plan);
 }
 

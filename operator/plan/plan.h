@@ -88,7 +88,7 @@ Plan plan(const World& world, std::uint64_t seed);
 
 /// The operator's opinion of a worker's heartbeat and of telemetry, by age.
 inline constexpr Seconds kHeartbeat = 3;
-inline constexpr Seconds kFresh = 10;     ///< older: by counts
+inline constexpr Seconds kFresh = 10;  ///< older: by counts
 /// What is missing in one read may be there all the same: it is believed when it has been so long.
 inline constexpr Seconds kConfirmed = 5;
 inline constexpr Seconds kExcluded = 60;  ///< older: no new worker on that node

@@ -8,8 +8,8 @@
 #include <map>
 #include <set>
 
-#include "operator/plan/simulated_cluster.h"
 #include "operator/plan/scale.h"
+#include "operator/plan/simulated_cluster.h"
 #include "operator/plan/test_world.h"
 
 namespace diaphane::fleet {
@@ -73,8 +73,8 @@ class Chaos {
     const Plan made = plan(world, random_++);
     if (checks_room) expect_room(world, made);
     for (const Action& action : made.actions) {
-      if (faults && cluster_.chance(0.05)) break;     // it dies, another leads
-      if (faults && cluster_.chance(0.1)) continue;   // this write failed
+      if (faults && cluster_.chance(0.05)) break;    // it dies, another leads
+      if (faults && cluster_.chance(0.1)) continue;  // this write failed
       cluster_.apply(action);
       if (faults && cluster_.chance(0.2)) cluster_.apply(action);  // answered twice
     }
@@ -82,11 +82,13 @@ class Chaos {
   }
 
   void trouble() {
-    const std::string node = nodes_[static_cast<std::size_t>(cluster_.up_to(int(nodes_.size()) - 1))];
+    const std::string node =
+        nodes_[static_cast<std::size_t>(cluster_.up_to(int(nodes_.size()) - 1))];
     World& world = cluster_.world();
     const auto some_worker = [&]() -> Worker* {
       if (world.workers.empty()) return nullptr;
-      return &world.workers[static_cast<std::size_t>(cluster_.up_to(int(world.workers.size()) - 1))];
+      return &world
+                  .workers[static_cast<std::size_t>(cluster_.up_to(int(world.workers.size()) - 1))];
     };
     Worker* worker = some_worker();
     switch (cluster_.up_to(13)) {
@@ -129,7 +131,8 @@ class Chaos {
         }
         break;
       case 12: {
-        Fleet& fleet = world.fleets[static_cast<std::size_t>(cluster_.up_to(int(world.fleets.size()) - 1))];
+        Fleet& fleet =
+            world.fleets[static_cast<std::size_t>(cluster_.up_to(int(world.fleets.size()) - 1))];
         fleet.spec.template_hash = "hash-" + std::to_string(cluster_.up_to(2));
         ++fleet.generation;
         break;
@@ -314,7 +317,8 @@ TEST_P(Worlds, AnOperatorPausedBeyondItsLeaseDoesNoHarm) {
     if (i % 2 == 1) chaos.trouble();
     for (const Action& action : paused.actions) chaos.cluster().apply(action);
     for (const Node& node : chaos.cluster().world().nodes) {
-      EXPECT_LE(chaos.cluster().pods_on(node.name) + node.foreign_gpus, std::max(node.gpus, node.foreign_gpus));
+      EXPECT_LE(chaos.cluster().pods_on(node.name) + node.foreign_gpus,
+                std::max(node.gpus, node.foreign_gpus));
     }
   }
   chaos.mend();

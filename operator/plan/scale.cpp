@@ -198,8 +198,7 @@ Wanted wanted_workers(const FleetSpec& spec, const Demand* demand, int usable, S
   // none.
   const double slots = busy + std::max(spec.min_idle_slots, 1);
   const double each = std::max(spec.sessions_per_worker, 1);
-  return {bounded(std::ceil(slots / each)),
-          bounded(std::ceil(slots * (1 + kHysteresis) / each))};
+  return {bounded(std::ceil(slots / each)), bounded(std::ceil(slots * (1 + kHysteresis) / each))};
 }
 
 Tokens refill_tokens(double per_second, std::vector<Seconds> created, Seconds now) {

@@ -111,6 +111,7 @@ TEST(Scale, DownAfterIdleAndOnlyTheIdle) {
   add_running(world, 0, "a", 1);
   add_running(world, 1, "a", 0);
   add_running(world, 2, "b", 0);
+  world.telemetry[0].idle_since = 0;  // of the time before its session
   world.telemetry[2].idle_since = world.now - 59;
   const auto drained = all<SetDrain>(plan(world, 1));
   ASSERT_EQ(drained.size(), 1u);

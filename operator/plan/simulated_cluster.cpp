@@ -101,8 +101,8 @@ bool SimulatedCluster::carry_out(const CreatePod& action) {
 bool SimulatedCluster::carry_out(const SetDrain& action) {
   Worker* drained = worker(action.worker, action.uid);
   if (!drained || drained->version != action.version) return false;
-  // Who was there before the sample that the decision was made on would have been seen. (Carried out
-  // late by a paused operator it sends people away who came since, within their grace.)
+  // Who was there before the sample that the decision was made on would have been seen. (Carried
+  // out late by a paused operator it sends people away who came since, within their grace.)
   for (const Session& session : sessions_) {
     if (action.drain.reason == DrainReason::kIdle && session.worker_uid == action.uid &&
         session.placed < action.drain.since - 5) {
@@ -257,9 +257,9 @@ void SimulatedCluster::hang(const std::string& name, bool hangs) {
 void SimulatedCluster::refuse(const std::string& name, bool refuses) { refuses_[name] = refuses; }
 
 int SimulatedCluster::sessions_on(const std::string& worker_uid) const {
-  return static_cast<int>(
-      std::count_if(sessions_.begin(), sessions_.end(),
-                    [&](const Session& s) { return s.worker_uid == worker_uid; }));
+  return static_cast<int>(std::count_if(sessions_.begin(), sessions_.end(), [&](const Session& s) {
+    return s.worker_uid == worker_uid;
+  }));
 }
 
 int SimulatedCluster::sessions_of(const std::string& name) const {
@@ -330,9 +330,8 @@ void SimulatedCluster::run_kubelets() {
 }
 
 bool SimulatedCluster::takes_sessions(const Worker& one) {
-  const Pod* its = find_if(world_.pods, [&](const Pod& p) {
-    return p.owner_uid == one.uid && p.name == one.name;
-  });
+  const Pod* its = find_if(
+      world_.pods, [&](const Pod& p) { return p.owner_uid == one.uid && p.name == one.name; });
   return its && its->ready && its->phase == Phase::kRunning && !its->terminating &&
          alive(its->node) && !told_.contains(one.uid) && !hangs_[one.uid];
 }
@@ -346,7 +345,8 @@ void SimulatedCluster::run_sessions() {
   }
   std::erase_if(sessions_, [&](const Session& s) {
     const Worker* at = worker_of(s.worker_uid);
-    const Pod* its = find_if(world_.pods, [&](const Pod& p) { return p.owner_uid == s.worker_uid; });
+    const Pod* its =
+        find_if(world_.pods, [&](const Pod& p) { return p.owner_uid == s.worker_uid; });
     return !at || !its || !alive(its->node) || hangs_[s.worker_uid];
   });
   std::map<std::string, int> taken;
@@ -388,12 +388,10 @@ void SimulatedCluster::run_sessions() {
 
 void SimulatedCluster::push_telemetry() {
   if (silent_) return;
-  std::erase_if(world_.telemetry,
-                [&](const Telemetry& t) { return !worker_of(t.worker_uid); });
+  std::erase_if(world_.telemetry, [&](const Telemetry& t) { return !worker_of(t.worker_uid); });
   for (const Worker& one : world_.workers) {
-    const Pod* its = find_if(world_.pods, [&](const Pod& p) {
-      return p.owner_uid == one.uid && p.name == one.name;
-    });
+    const Pod* its = find_if(
+        world_.pods, [&](const Pod& p) { return p.owner_uid == one.uid && p.name == one.name; });
     if (!its || !its->ready || its->phase != Phase::kRunning || !alive(its->node) ||
         hangs_[one.uid]) {
       continue;
@@ -415,8 +413,8 @@ void SimulatedCluster::push_telemetry() {
   }
   world_.demand.clear();
   for (const Fleet& of : world_.fleets) {
-    world_.demand.push_back({of.name, sessions_of(of.name), 0, waiting(of.name),
-                             last_used_[of.name], world_.now});
+    world_.demand.push_back(
+        {of.name, sessions_of(of.name), 0, waiting(of.name), last_used_[of.name], world_.now});
   }
 }
 

@@ -33,12 +33,12 @@ class SimulatedCluster {
   void want_sessions(const std::string& fleet, int count) { people_[fleet] = count; }
 
   // Faults.
-  void crash_pod(const std::string& name);           ///< its containers end, and it with them
-  void lose_node(const std::string& name);           ///< neither heard of nor running anything
+  void crash_pod(const std::string& name);  ///< its containers end, and it with them
+  void lose_node(const std::string& name);  ///< neither heard of nor running anything
   void return_node(const std::string& name);
   void delete_node(const std::string& name);
-  void hang(const std::string& worker, bool hangs);  ///< no heartbeat, pod goes on
-  void silence(bool silent) { silent_ = silent; }    ///< no telemetry from anybody (Redis down)
+  void hang(const std::string& worker, bool hangs);    ///< no heartbeat, pod goes on
+  void silence(bool silent) { silent_ = silent; }      ///< no telemetry from anybody (Redis down)
   void refuse(const std::string& node, bool refuses);  ///< the scheduler finds no GPU there
 
   int sessions_on(const std::string& worker_uid) const;
@@ -88,9 +88,9 @@ class SimulatedCluster {
   std::vector<Session> sessions_;
   std::map<std::string, int> people_;
   std::map<std::string, bool> lost_, hangs_, refuses_;
-  std::map<std::string, Seconds> idle_since_;   // by worker uid
-  std::map<std::string, Seconds> told_;         // to drain, by worker uid
-  std::map<std::string, Seconds> last_used_;    // by fleet
+  std::map<std::string, Seconds> idle_since_;  // by worker uid
+  std::map<std::string, Seconds> told_;        // to drain, by worker uid
+  std::map<std::string, Seconds> last_used_;   // by fleet
   bool silent_ = false;
   std::vector<std::string> violations_;
 };

@@ -76,7 +76,10 @@ std::vector<Condition> conditions_of(const FleetView& fleet, const Scaling& scal
                       : "");
   const bool asked = fleet.demand && now - fleet.demand->sampled <= kFresh;
   const bool metrics = fleet.metrics_fresh && asked;
-  add("MetricsFresh", metrics, metrics ? "Fresh" : fleet.metrics_fresh ? "NoDemand" : "NoTelemetry",
+  add("MetricsFresh", metrics,
+      metrics               ? "Fresh"
+      : fleet.metrics_fresh ? "NoDemand"
+                            : "NoTelemetry",
       metrics ? "" : "no worker is taken away until it is");
   add("CapacityLimited", scaling.missing > 0, scaling.missing > 0 ? "NoNodeHasRoom" : "Enough",
       scaling.missing > 0 ? std::to_string(scaling.missing) + " workers missing; " + scaling.why
@@ -116,14 +119,13 @@ void plan_worker_status(const WorkerView& view, Draft& draft) {
   };
   // Unknown for how long no pod was seen: that is what a release waits for.
   const bool bound = view.beats || (pod && !pod->node.empty());
-  status.conditions.push_back(
-      condition(worker.status.conditions, "Scheduled",
-                !pod && !bound ? Truth::kUnknown : truth(bound),
-                bound                  ? "Bound"
-                : !pod                 ? "NoPod"
-                : pod->unschedulable ? "Unschedulable"
-                                       : "Waiting",
-                "", now));
+  status.conditions.push_back(condition(worker.status.conditions, "Scheduled",
+                                        !pod && !bound ? Truth::kUnknown : truth(bound),
+                                        bound                ? "Bound"
+                                        : !pod               ? "NoPod"
+                                        : pod->unschedulable ? "Unschedulable"
+                                                             : "Waiting",
+                                        "", now));
   const bool ready = view.health == Health::kReady && !view.leaving();
   add("Ready", ready, ready ? "TakesSessions" : view.leaving() ? "Draining" : "NotYet");
   // Who took the drain out by hand is told here until it is put back.

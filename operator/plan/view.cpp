@@ -65,8 +65,8 @@ void weigh(NodeView& node, const std::vector<const WorkerView*>& workers, const 
                 world.now - view->pod->created > kStarting;
   }
   node.load = node.node->gpus > 0 ? load / node.node->gpus : load;
-  node.silent = expected && world.now - newest > kExcluded &&
-                world.now - world.listening_since > kExcluded;
+  node.silent =
+      expected && world.now - newest > kExcluded && world.now - world.listening_since > kExcluded;
 }
 
 }  // namespace

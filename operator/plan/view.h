@@ -35,8 +35,8 @@ struct WorkerView {
 
 struct NodeView {
   const Node* node = nullptr;
-  int reserved = 0;   ///< by workers, and by pods whose worker has gone
-  double load = 0;    ///< of its GPUs, 1: all of them full (more where pictures are noisy)
+  int reserved = 0;     ///< by workers, and by pods whose worker has gone
+  double load = 0;      ///< of its GPUs, 1: all of them full (more where pictures are noisy)
   bool silent = false;  ///< telemetry is older than kExcluded where there should be some
 
   int free() const { return node->gpus - node->foreign_gpus - reserved; }

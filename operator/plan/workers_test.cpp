@@ -55,8 +55,7 @@ TEST(Workers, FirstTheReservationThenThePodThenNothing) {
   add_worker(world, 0, "a").status.epoch = 0;
   next = plan(world, 1);
   EXPECT_EQ(deeds(next), 1u);
-  EXPECT_EQ(all<CreatePod>(next),
-            (std::vector<CreatePod>{{"render-0", "uid-0", "a", "one", 1}}));
+  EXPECT_EQ(all<CreatePod>(next), (std::vector<CreatePod>{{"render-0", "uid-0", "a", "one", 1}}));
   world.workers[0].status.epoch = 1;
   const Worker worker = world.workers[0];
   add_pod(world, worker);
@@ -84,8 +83,7 @@ TEST(WhenThingsFail, AnEndedPodIsCountedRemovedAndMadeAgainAfterAPause) {
   EXPECT_EQ(world.workers[0].status.failures, 1);
   settle(world);
   EXPECT_EQ(world.workers[0].status.failures, 1);  // once
-  EXPECT_EQ(all<DeletePod>(plan(world, 1)),
-            (std::vector<DeletePod>{{"render-0", "pod-of-uid-0"}}));
+  EXPECT_EQ(all<DeletePod>(plan(world, 1)), (std::vector<DeletePod>{{"render-0", "pod-of-uid-0"}}));
   world.pods.clear();
   EXPECT_TRUE(all<CreatePod>(plan(world, 1)).empty());
   EXPECT_NEAR(plan(world, 1).requeue_after.value(), 1, 1e-9);
@@ -252,6 +250,19 @@ TEST(WhenThingsFail, UnschedulableReleasesBacksOffAndTakesTheNextNode) {
   settle(world);
   ASSERT_EQ(world.fleets[0].status.refusals.size(), 1u);
   EXPECT_EQ(all<DeleteWorker>(plan(world, 1)).size(), 1u);
+  World two = world;  // refused at the same moment: one refusal
+  add_worker(two, 1, "a");
+  const Worker second = two.workers[1];
+  Pod refused = two.pods[0];
+  refused.name = second.name;
+  refused.uid = "second";
+  refused.owner_uid = second.uid;
+  two.pods.push_back(refused);
+  settle(two);
+  EXPECT_EQ(two.fleets[0].status.refusals, world.fleets[0].status.refusals);
+  EXPECT_EQ(all<DeleteWorker>(plan(two, 1)).size(), 2u);
+  two.workers[1].created = two.now + 1;  // after the pause: a second
+  EXPECT_EQ(refusals_of(look(two).fleets[0], two.now + 6)[0].count, 2);
   world.workers[0].deleted = world.now;
   const auto next = all<CreateWorker>(plan(world, 1));
   ASSERT_EQ(next.size(), 1u);

@@ -105,10 +105,10 @@ struct Drain {
 
 struct WorkerStatus {
   std::int64_t observed_generation = 0;
-  std::int64_t epoch = 0;     ///< of its last pod: how many were made
-  int failures = 0;           ///< pods that ended, since the last that was ready for two minutes
-  std::string failed_pod;     ///< uid of the last of them: counted once
-  Seconds failed_at = 0;      ///< when that was seen
+  std::int64_t epoch = 0;  ///< of its last pod: how many were made
+  int failures = 0;        ///< pods that ended, since the last that was ready for two minutes
+  std::string failed_pod;  ///< uid of the last of them: counted once
+  Seconds failed_at = 0;   ///< when that was seen
   std::vector<Condition> conditions;
   bool operator==(const WorkerStatus&) const = default;
 };
@@ -118,7 +118,7 @@ struct Worker {
   std::string name, uid, version;
   std::int64_t generation = 1;
   std::string fleet, fleet_uid;
-  std::string node;         ///< immutable
+  std::string node;  ///< immutable
   std::string template_hash;
   std::optional<Drain> drain;
   Seconds created = 0;

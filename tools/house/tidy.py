@@ -13,7 +13,7 @@ from pathlib import Path
 from . import build, paths
 
 _CACHE = paths.STAMPS / "tidy"
-_FOLDERS = "api|common|ingest|renderd|volume"
+_FOLDERS = "api|common|ingest|operator|renderd|volume"
 
 
 def check() -> list[str]:

@@ -1,0 +1,101 @@
+// diaphane-operator-bench: the plan on a simulated fleet, three ways of placing sessions.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "operator/bench/fleet_model.h"
+
+namespace {
+
+using namespace diaphane::fleet::bench;
+
+constexpr int kUsage = 64;
+
+double percentile(std::vector<double> all, double share) {
+  if (all.empty()) return 0;
+  std::sort(all.begin(), all.end());
+  return all[static_cast<std::size_t>(share * double(all.size() - 1))];
+}
+
+bool take(const std::string& name, const char* value, Setting& setting, std::string& json,
+          std::string& csv) {
+  const double number = std::atof(value);
+  if (name == "--sessions") {
+    setting.sessions = static_cast<int>(number);
+  } else if (name == "--devices") {
+    setting.devices = static_cast<int>(number);
+  } else if (name == "--slots") {
+    setting.slots = static_cast<int>(number);
+  } else if (name == "--seconds") {
+    setting.seconds = static_cast<int>(number);
+  } else if (name == "--wanted") {
+    setting.wanted = number;
+  } else if (name == "--seed") {
+    setting.seed = static_cast<std::uint64_t>(number);
+  } else if (name == "--json") {
+    json = value;
+  } else if (name == "--csv") {
+    csv = value;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Setting setting;
+  std::string json, csv;
+  for (int i = 1; i < argc; i += 2) {
+    if (i + 1 < argc && take(argv[i], argv[i + 1], setting, json, csv)) continue;
+    std::fprintf(stderr,
+                 "usage: diaphane-operator-bench [--sessions N] [--devices N] [--slots N] "
+                 "[--seconds N] [--wanted SHARE] [--seed N] [--json FILE] [--csv FILE]\n");
+    return kUsage;
+  }
+  if (setting.sessions < 1 || setting.devices < 1 || setting.slots < 1 || setting.seconds < 1) {
+    std::fprintf(stderr, "diaphane-operator-bench: sessions, devices, slots, seconds from 1 on\n");
+    return kUsage;
+  }
+  std::printf("%d sessions, %d devices, %d slots each, %d s\n", setting.sessions, setting.devices,
+              setting.slots, setting.seconds);
+  std::printf("%-12s %9s %9s %9s %8s %8s %6s %9s %9s\n", "", "lost", "spread", "refused", "moves",
+              "drained", "over", "plan p50", "plan p99");
+  nlohmann::json rows = nlohmann::json::array();
+  std::string lines =
+      "way,lost,spread,refused,placings,moves,drained,over,plan_p50_ms,plan_p99_ms\n";
+  for (const Way way : {Way::kLoad, Way::kLeastCount, Way::kRoundRobin}) {
+    const Figures figures = FleetModel(setting, way).run();
+    const double p50 = 1e3 * percentile(figures.plan_seconds, 0.5);
+    const double p99 = 1e3 * percentile(figures.plan_seconds, 0.99);
+    std::printf("%-12s %8.3f%% %8.1f%% %8.4f%% %8ld %8ld %6ld %6.1f ms %6.1f ms\n", name_of(way),
+                100 * figures.lost, 100 * figures.spread, 100 * figures.refused, figures.moves,
+                figures.moved_alive, figures.over_committed, p50, p99);
+    std::fflush(stdout);
+    rows.push_back({{"way", name_of(way)},
+                    {"lost", figures.lost},
+                    {"spread", figures.spread},
+                    {"refused", figures.refused},
+                    {"placings", figures.placings},
+                    {"moves", figures.moves},
+                    {"drained", figures.moved_alive},
+                    {"over", figures.over_committed},
+                    {"plan_p50_ms", p50},
+                    {"plan_p99_ms", p99}});
+    char line[256];
+    std::snprintf(line, sizeof line, "%s,%g,%g,%g,%ld,%ld,%ld,%ld,%g,%g\n", name_of(way),
+                  figures.lost, figures.spread, figures.refused, figures.placings, figures.moves,
+                  figures.moved_alive, figures.over_committed, p50, p99);
+    lines += line;
+  }
+  const nlohmann::json report{{"sessions", setting.sessions}, {"devices", setting.devices},
+                              {"slots", setting.slots},       {"seconds", setting.seconds},
+                              {"seed", setting.seed},         {"rows", rows}};
+  if (!json.empty()) std::ofstream(json) << report.dump(2) << "\n";
+  if (!csv.empty()) std::ofstream(csv) << lines;
+  return 0;
+}
