@@ -125,6 +125,14 @@ TEST(Scale, DownAfterIdleAndOnlyTheIdle) {
   EXPECT_TRUE(drains(world).empty());
 }
 
+TEST(Scale, WhileDemandIsOldNobodyIsAddedForTheLostToo) {
+  World world = test_world(4);
+  for (int i = 0; i < 3; ++i) add_running(world, i, std::string(1, char('a' + i)), 1);
+  world.telemetry[0].sampled = world.now - 5;
+  world.demand[0].sampled = world.now - 11;
+  EXPECT_EQ(created(world), 0u);  // else one more at each look
+}
+
 TEST(Scale, ASurplusWithinTheHysteresisStays) {
   World world = test_world(8);
   for (int i = 0; i < 12; ++i) add_running(world, i, std::string(1, char('a' + i / 2)), 0);
