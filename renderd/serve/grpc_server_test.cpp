@@ -107,6 +107,14 @@ TEST_F(GrpcTest, AViewerSeesARealPictureConvergeAndFollowItsInput) {
   const auto config = viewer.inbox.next_of(v1::ServerMessage::kConfig);
   ASSERT_TRUE(config);
   EXPECT_EQ(config->config().engine(), "cpu");
+  // 256 bins over the values, of all voxels: so few are looked at one by one.
+  const auto& histogram = config->config().histogram();
+  const auto& header = config->config().volume();
+  EXPECT_EQ(histogram.minimum(), header.minimum());
+  EXPECT_GE(histogram.minimum() + histogram.width() * histogram.counts_size(), header.maximum());
+  std::uint64_t counted = 0;
+  for (const std::uint32_t n : histogram.counts()) counted += n;
+  EXPECT_EQ(counted, std::uint64_t{header.size(0)} * header.size(1) * header.size(2));
   const auto first = viewer.follow([](const v1::Frame& frame) { return frame.width() == 96; });
   ASSERT_TRUE(first);
   EXPECT_EQ(first->data().substr(0, 2), "\xff\xd8");

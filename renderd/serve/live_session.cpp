@@ -289,6 +289,9 @@ void LiveSession::send_config(std::uint64_t connection) {
   config.set_engine(engine.engine);
   config.set_device(engine.device);
   *config.mutable_volume() = to_proto(volume_->header());
+  if (auto histogram = parts_.histograms.of(*volume_); histogram.counts_size() > 0) {
+    *config.mutable_histogram() = std::move(histogram);
+  }
   if (state_.wanted.scene) *config.mutable_scene() = *state_.wanted.scene;
   config.set_input_seq(state_.wanted.input_seq);
   for (const v1::Preset& preset : presets_) *config.add_presets() = preset;

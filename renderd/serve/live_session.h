@@ -16,6 +16,7 @@
 #include "renderd/schedule/runner.h"
 #include "renderd/serve/metrics.h"
 #include "renderd/serve/spent_time.h"
+#include "renderd/session/histogram.h"
 #include "renderd/session/pictures.h"
 
 namespace diaphane::render {
@@ -52,6 +53,7 @@ struct SessionParts {
       branch;
   bool mark_frames = false;  ///< for a bench: input_seq in the pixels (encode/frame_mark.h)
   SpentTime& spent;
+  const Histograms& histograms;
 };
 
 /// One session: joins the pure state machine to the runner, the encoders and the connections of all

@@ -10,6 +10,7 @@
 #include "renderd/serve/metrics.h"
 #include "renderd/serve/session_host.h"
 #include "renderd/serve/still_service.h"
+#include "renderd/session/histogram.h"
 
 namespace diaphane::render {
 
@@ -45,6 +46,7 @@ class RenderWorker {
 
   // Each may call into those before it; the destructor says in which order they end.
   std::unique_ptr<Engine> engine_;
+  Histograms histograms_;
   std::unique_ptr<Runner> runner_;
   std::unique_ptr<EncodePool> encoders_;
   std::unique_ptr<VolumeCache> volumes_;

@@ -50,12 +50,14 @@ Result<Arrival> arrival_of(const v1::Open& open) {
 }  // namespace
 
 SessionHost::SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
-                         VolumeCache& volumes, Metrics& metrics, const Clock& clock)
+                         VolumeCache& volumes, const Histograms& histograms, Metrics& metrics,
+                         const Clock& clock)
     : options_(options),
       engine_(engine),
       runner_(runner),
       encoders_(encoders),
       volumes_(volumes),
+      histograms_(histograms),
       metrics_(metrics),
       clock_(clock) {}
 
@@ -120,7 +122,8 @@ SessionParts SessionHost::parts() {
           [this] { return used(); },
           [this](const LiveSession& group, const Branch& wanted) { return branch(group, wanted); },
           options_.mark_frames,
-          spent_};
+          spent_,
+          histograms_};
 }
 
 // Its id is nobody's but this worker's: no ticket leads to it. The heartbeat counts its slot.

@@ -45,7 +45,8 @@ class SessionHost {
   };
 
   SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
-              VolumeCache& volumes, Metrics& metrics, const Clock& clock);
+              VolumeCache& volumes, const Histograms& histograms, Metrics& metrics,
+              const Clock& clock);
   ~SessionHost();
 
   /// Opens a session or joins one that is here. kTooMany: no slot is free, or as many viewers as
@@ -94,6 +95,7 @@ class SessionHost {
   Runner& runner_;
   EncodePool& encoders_;
   VolumeCache& volumes_;
+  const Histograms& histograms_;
   Metrics& metrics_;
   const Clock& clock_;
 

@@ -1,0 +1,48 @@
+#include "renderd/session/histogram.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace diaphane::render {
+namespace {
+
+constexpr std::size_t kMostBins = 256;
+constexpr std::size_t kMostLooked = 4'000'000;
+
+}  // namespace
+
+diaphane::v1::Histogram histogram_of(const volume::Volume& volume) {
+  const volume::Header& header = volume.header;
+  const double values = double{header.maximum} - header.minimum + 1;
+  const double width = std::max(1.0, values / kMostBins);
+  std::vector<std::uint32_t> counts(std::min(kMostBins, static_cast<std::size_t>(values)));
+  // Odd, so that it shares no factor with rows of a power of two: those would give one column.
+  const std::size_t stride = ((volume.voxels.size() + kMostLooked - 1) / kMostLooked) | 1;
+  for (std::size_t i = 0; i < volume.voxels.size(); i += stride) {
+    const std::int32_t value = volume.voxels[i];
+    if (value < header.minimum || value > header.maximum) continue;
+    const auto bin = static_cast<std::size_t>((value - header.minimum) / width);
+    ++counts[std::min(bin, counts.size() - 1)];
+  }
+  diaphane::v1::Histogram histogram;
+  histogram.set_minimum(header.minimum);
+  histogram.set_width(width);
+  histogram.mutable_counts()->Assign(counts.begin(), counts.end());
+  return histogram;
+}
+
+void Histograms::add(const std::shared_ptr<const DeviceVolume>& volume,
+                     diaphane::v1::Histogram histogram) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(entries_, [](const auto& entry) { return entry.second.volume.expired(); });
+  entries_[volume.get()] = {volume, std::move(histogram)};
+}
+
+diaphane::v1::Histogram Histograms::of(const DeviceVolume& volume) const {
+  const std::scoped_lock lock(mutex_);
+  const auto found = entries_.find(&volume);
+  return found == entries_.end() ? diaphane::v1::Histogram() : found->second.histogram;
+}
+
+}  // namespace diaphane::render
