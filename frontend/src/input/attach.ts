@@ -3,7 +3,7 @@ import { Gestures, wheel_zoom, type Gesture, type PointerSample } from "./gestur
 /** Listens to the hands on `element` until the given signal is aborted. `rested`: the last one that moved was lifted. */
 export function attach_gestures(
   element: HTMLElement,
-  act: (gesture: Gesture) => void,
+  act: (gesture: Gesture, held: boolean) => void,
   rested: () => void,
   signal: AbortSignal,
 ): void {
@@ -33,7 +33,7 @@ export function attach_gestures(
     const area = { width: element.clientWidth, height: element.clientHeight };
     for (const gesture of gestures.move(sample(event), area)) {
       acted = true;
-      act(gesture);
+      act(gesture, true);
     }
   };
   element.addEventListener("pointermove", moved, passive);
@@ -59,7 +59,7 @@ export function attach_gestures(
   // These two would scroll the page and open the browser's menu.
   element.addEventListener("wheel", (event) => {
     event.preventDefault();
-    act({ kind: "zoom", factor: wheel_zoom(event.deltaY, event.deltaMode, event.ctrlKey) });
+    act({ kind: "zoom", factor: wheel_zoom(event.deltaY, event.deltaMode, event.ctrlKey) }, false);
   }, { signal, passive: false });
   element.addEventListener("contextmenu", (event) => event.preventDefault(), { signal });
   element.addEventListener("mousedown", (event) => {

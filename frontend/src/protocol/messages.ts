@@ -1,6 +1,6 @@
 import { create, fromBinary, toBinary, equals, fromJsonString, toJsonString } from "@bufbuild/protobuf";
 import type { CameraPose } from "../input/camera";
-import { vec3, type Vec3 } from "../input/vec3";
+import { length, subtract, vec3, type Vec3 } from "../input/vec3";
 import {
   AckSchema,
   ClientMessageSchema,
@@ -20,9 +20,9 @@ import {
 import { CameraSchema, Clip_PlaneSchema, ClipSchema, SceneSchema, TransferFunctionSchema, Vec3Schema, type Scene } from "./gen/api/proto/scene_pb";
 
 export { Codec, StillFormat };
-export type { Audience, Config, Frame, Look, Participant, Problem, State, Stats, Still } from "./gen/api/proto/stream_pb";
+export type { Audience, Config, Frame, Histogram, Look, Participant, Problem, State, Stats, Still } from "./gen/api/proto/stream_pb";
 export type { Preset, Scene } from "./gen/api/proto/scene_pb";
-export type { VolumeHeader } from "./gen/api/proto/volume_pb";
+export { VolumeHeader_Modality as Modality, type VolumeHeader } from "./gen/api/proto/volume_pb";
 export type { ServerMessage };
 
 export const protocol_version = 1;
@@ -131,16 +131,25 @@ export function camera_of(scene: Scene): CameraPose | null {
   };
 }
 
-/** The same scene under another camera; the given one is not touched. */
+/** The same scene seen from elsewhere through the same lens; the given one is not touched. */
 export function with_camera(scene: Scene, pose: CameraPose): Scene {
-  const camera = create(CameraSchema, {
+  const before = camera_of(scene);
+  const lens = scene.camera ?? create(CameraSchema);
+  // Parallel rays show more from farther away, as others do: so that zooming is zooming.
+  const grown = before ? shown_height(pose) / shown_height(before) : 1;
+  const camera = {
+    ...lens,
     eye: create(Vec3Schema, pose.eye),
     target: create(Vec3Schema, pose.target),
     up: create(Vec3Schema, pose.up),
     verticalFovDegrees: pose.verticalFovDegrees,
-  });
+    orthographicHeight: Number.isFinite(grown) && grown > 0 ? lens.orthographicHeight * grown : lens.orthographicHeight,
+  };
   return { ...scene, camera };
 }
+
+const shown_height = ({ eye, target, verticalFovDegrees }: CameraPose): number =>
+  length(subtract(eye, target)) * Math.tan((verticalFovDegrees * Math.PI) / 360);
 
 /** The same scene, of which only what lies in the box and behind the planes is there. mm. */
 export function with_clip(
@@ -163,6 +172,8 @@ export function same_look(a: Scene, b: Scene): boolean {
   if (!a.transferFunction || !b.transferFunction) return a.transferFunction === b.transferFunction;
   return equals(TransferFunctionSchema, a.transferFunction, b.transferFunction);
 }
+
+export const same_scene = (a: Scene, b: Scene): boolean => equals(SceneSchema, a, b);
 
 /** Whether two scenes are one seen from different places. */
 export const same_but_for_camera = (a: Scene, b: Scene): boolean =>

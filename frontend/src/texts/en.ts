@@ -10,6 +10,7 @@ import { problems } from "./en/problems";
 import { recording } from "./en/recording";
 import { scans } from "./en/scans";
 import { second_factor } from "./en/second_factor";
+import { settings } from "./en/settings";
 import { sharing } from "./en/sharing";
 import { titles } from "./en/titles";
 import { viewer } from "./en/viewer";
@@ -28,6 +29,7 @@ export const t = {
   recording,
   scans,
   second_factor,
+  settings,
   sharing,
   titles,
   viewer,

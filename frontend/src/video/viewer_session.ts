@@ -8,6 +8,7 @@ import { first_state, type ConnectionState } from "../protocol/connection";
 import {
   camera_of,
   same_look,
+  same_scene,
   with_camera,
   within_bounds,
   type Abilities,
@@ -15,11 +16,14 @@ import {
   type Codec,
   type Config,
   type Frame,
+  type Histogram,
   type Preset,
   type Scene,
   type Viewport,
   type VolumeHeader,
 } from "../protocol/messages";
+import { changed, nothing_yet, redone, rested, undone, type History, type Moved } from "../scene/history";
+import { reset_part, type Part } from "../scene/parts";
 import { StreamClient } from "../protocol/stream_client";
 import { t } from "../texts/en";
 import { SizeTeller } from "./canvas_size";
@@ -68,6 +72,12 @@ export class ViewerSession {
   readonly volume = signal<VolumeHeader | null>(null);
   readonly presets = signal<readonly Preset[]>([]);
   readonly scene = signal<Scene | null>(null);
+  /** What was before, and what was undone. */
+  readonly steps = signal<History<Scene>>(nothing_yet);
+  /** What the session began with: the look that the scan's owner chose, or the volume's own. */
+  readonly begun = signal<Scene | null>(null);
+  /** How often values occur in the volume, where the worker has said so. */
+  readonly histogram = signal<Histogram | null>(null);
   /** Who is here, once it is known. */
   readonly audience = signal<Audience | null>(null);
   /** What the server said about the last input it refused. */
@@ -80,8 +90,6 @@ export class ViewerSession {
   private session_id_: string | null;
   private viewport_: Viewport;
   private converged_epoch_ = -1;
-  /** What the session began with: the look that the scan's owner chose, or the volume's own. */
-  private first_scene_: Scene | null = null;
   private remembering_: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -124,8 +132,12 @@ export class ViewerSession {
         audience: (audience) => {
           this.audience.value = audience;
           this.painter_.show_whole(!this.client_.leads);
+          if (!this.client_.leads) this.steps.value = nothing_yet;
         },
-        look: (scene) => (this.scene.value = scene),
+        look: (scene) => {
+          this.scene.value = scene;
+          this.steps.value = nothing_yet; // they were steps of another's scene
+        },
         stats: (stats) => (this.samples_per_second.value = stats.samplesPerSecond),
         problem: (problem) => (this.problem.value = problem.message),
       },
@@ -152,6 +164,7 @@ export class ViewerSession {
       now_ms,
     });
     this.size_teller_ = new SizeTeller(this.viewport_, (size) => this.resized(size), { now_ms, after });
+    this.begun.value = before.begun;
     if (before.scene) {
       this.client_.remember(before.scene, before.input_seq);
       this.scene.value = before.scene;
@@ -209,45 +222,78 @@ export class ViewerSession {
     this.size_teller_.changed(within_bounds(size, longest_side));
   }
 
-  act(gesture: Gesture): void {
+  /** `held`: by a hand that will be lifted. */
+  act(gesture: Gesture, held = false): void {
     const scene = this.scene.value;
     const pose = scene && camera_of(scene);
-    if (scene && pose) this.set_scene(with_camera(scene, apply_gesture(pose, gesture)));
+    if (scene && pose) this.set_scene(with_camera(scene, apply_gesture(pose, gesture)), { what: "camera", held });
+  }
+
+  /** Another scene out of the one there is. `what` is changed; while a hand holds it, that is one step for undoing. */
+  change(what: string, edit: (scene: Scene) => Scene, held = false): void {
+    const scene = this.scene.value;
+    const edited = scene && edit(scene);
+    if (edited && edited !== scene) this.set_scene(edited, { what, held });
   }
 
   /** The hand was lifted. */
   rest(): void {
+    this.steps.value = rested(this.steps.value);
     this.client_.rest();
   }
 
-  /** Another look at the same place. */
+  undo(): void {
+    this.go(undone);
+  }
+
+  redo(): void {
+    this.go(redone);
+  }
+
+  /** To what the session began with. */
+  reset(part: Part): void {
+    const begun = this.begun.value ?? (this.active_preset() ?? this.presets.value[0])?.scene;
+    if (begun) this.change(`reset ${part}`, (scene) => reset_part(scene, begun, part));
+    this.rest();
+  }
+
+  private go(way: (steps: History<Scene>, now: Scene) => Moved<Scene> | null): void {
+    const scene = this.scene.value;
+    const moved = scene && this.client_.leads ? way(this.steps.value, scene) : null;
+    if (!moved) return;
+    this.set_scene(moved.value, null, true);
+    this.steps.value = moved.history;
+  }
+
+  /** Another look at the same place, through the same lens and cut as it is. */
   apply_preset(preset: Preset): void {
     if (!preset.scene) return;
-    const pose = this.scene.value && camera_of(this.scene.value);
-    this.set_scene(pose ? with_camera(preset.scene, pose) : preset.scene, true);
+    const now = this.scene.value;
+    const kept = { ...(now?.camera ? { camera: now.camera } : {}), ...(now?.clip ? { clip: now.clip } : {}), ...(now?.slices ? { slices: now.slices } : {}) };
+    this.set_scene({ ...preset.scene, ...kept }, { what: `preset ${preset.name}`, held: false }, true);
   }
 
   /** A look, from where it begins. */
   begin_with(preset: Preset): void {
     const pose = preset.scene && camera_of(preset.scene);
-    if (preset.scene) this.set_scene(pose ? with_camera(preset.scene, this.fitted(pose)) : preset.scene, true);
+    if (preset.scene) this.set_scene(pose ? with_camera(preset.scene, this.fitted(pose)) : preset.scene, null, true);
   }
 
   /** All of it: look, lights, cuts and where one looks from. */
   show_scene(scene: Scene): void {
-    this.set_scene(scene, true);
+    this.set_scene(scene, { what: "scene", held: false }, true);
   }
 
   /** The same with another clip, while a hand moves it or (`rest`) has moved it. */
   cut_scene(scene: Scene, rest: boolean): void {
-    this.set_scene(scene, rest);
+    this.set_scene(scene, null, rest);
   }
 
   /** To the view that the preset began with. */
   reset_camera(): void {
     const scene = this.scene.value;
     const home = this.home();
-    if (scene && home) this.set_scene(with_camera(scene, home), true);
+    if (scene && home) this.set_scene(with_camera(scene, home), { what: "home", held: false }, true);
   }
 
   active_preset(): Preset | null {
@@ -264,13 +310,15 @@ export class ViewerSession {
     remember_view(sessionStorage, this.place_.key, {
       session_id: this.session_id_,
       scene: this.scene.value,
+      begun: this.begun.value,
       input_seq: this.client_.input_seq,
     });
   }
 
   private home(): CameraPose | null {
     const scene = this.scene.value;
-    const same = scene && this.first_scene_ && same_look(this.first_scene_, scene) ? this.first_scene_ : null;
+    const first = this.begun.value;
+    const same = scene && first && same_look(first, scene) ? first : null;
     const begun = same ?? (this.active_preset() ?? this.presets.value[0])?.scene;
     const pose = begun && camera_of(begun);
     return pose ? this.fitted(pose) : null;
@@ -287,8 +335,11 @@ export class ViewerSession {
     this.client_.set_viewport(size);
   }
 
-  private set_scene(scene: Scene, rest = false): void {
+  /** `change`: what it is for undoing; nothing: no step. */
+  private set_scene(scene: Scene, change: { readonly what: string; readonly held: boolean } | null, rest = false): void {
     if (!this.client_.leads) return; // a follower looks on
+    const before = this.scene.value;
+    if (change && before) this.steps.value = changed(this.steps.value, before, { ...change, now_ms: performance.now() });
     this.scene.value = scene;
     this.problem.value = "";
     this.client_.set_scene(scene, rest);
@@ -302,11 +353,15 @@ export class ViewerSession {
     this.device.value = config.device;
     this.volume.value = config.volume ?? null;
     this.presets.value = config.presets;
+    this.histogram.value = config.histogram ?? null;
+    const before = this.scene.value;
+    if (!before || !config.scene || !same_scene(before, config.scene)) this.steps.value = nothing_yet; // changed elsewhere
     this.scene.value = config.scene ?? null;
     const untouched = !config.follower && config.inputSeq === 0n && this.client_.input_seq === 0;
-    if (untouched) this.first_scene_ = config.scene ?? null;
+    if (untouched) this.begun.value = config.scene ?? null;
     const narrow = this.viewport_.width < this.viewport_.height;
-    if (untouched && narrow) this.reset_camera();
+    const home = untouched && narrow ? this.home() : null;
+    if (home && config.scene) this.set_scene(with_camera(config.scene, home), null, true);
     this.remember_soon();
   }
 

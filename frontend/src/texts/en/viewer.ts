@@ -66,6 +66,8 @@ export const viewer = {
     ["Roll", "Ctrl + left drag", "", "Ctrl + ← →"],
     ["Reset the view", "", "", "R"],
     ["Choose a look", "", "", "1 to 4"],
+    ["Undo", "Menu at the left", "Menu at the left", "Ctrl + Z"],
+    ["Redo", "Menu at the left", "Menu at the left", "Ctrl + Shift + Z"],
     ["Full screen", "", "", "F"],
     ["Save a picture", "", "", "S"],
   ] as readonly (readonly [string, string, string, string])[],

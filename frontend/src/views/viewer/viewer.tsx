@@ -26,6 +26,7 @@ import { Presets } from "./presets";
 import { QualityPanel } from "./quality_panel";
 import { RecordedInteraction, RecordingDialog } from "./recording";
 import { SavedPresets, WantedPreset } from "./saved_presets";
+import { Settings } from "./settings/settings";
 import { ShareDialog } from "./share_dialog";
 import { StatusLine } from "./status_line";
 
@@ -178,6 +179,7 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
           <OrientationCube session={session} />
           {onCut && place.data_set_id !== null ? <CutPanel session={session} data_set_id={place.data_set_id} onConfirm={onCut} /> : null}
           {role.presents && !onCut ? <Presets session={session} /> : null}
+          {onCut ? null : <Settings session={session} leads={role.presents} />}
           {onCut ? null : <QualityPanel session={session} />}
         </>
       ) : null}
@@ -208,7 +210,7 @@ function facts_of(session: ViewerSession | null): Record<string, string> {
 
 /** Ties a session to what happens to the page and to hands on the picture. */
 function connect_page(session: ViewerSession, element: HTMLCanvasElement, signal: AbortSignal): void {
-  attach_gestures(element, (gesture) => session.act(gesture), () => session.rest(), signal);
+  attach_gestures(element, (gesture, held) => session.act(gesture, held), () => session.rest(), signal);
   watch_device_pixels(element, (size) => session.resize(size), signal);
   document.addEventListener("visibilitychange", () => session.set_visible(!document.hidden), { signal });
   addEventListener("online", () => session.wake(), { signal });

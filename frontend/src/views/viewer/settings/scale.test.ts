@@ -1,0 +1,34 @@
+import { describe, expect, it } from "vitest";
+import { from_slider, slider_steps, to_slider } from "./scale";
+
+describe("a slider", () => {
+  const ways = [
+    { limits: { low: -120.5, high: 300.25 }, log: false, step: 0.1 },
+    { limits: { low: 0.001, high: 100 }, log: true, step: 0.001 },
+    { limits: { low: 0, high: 1 }, log: false, step: 0.01 },
+  ];
+  it("reaches both of its ends exactly and never leaves them", () => {
+    for (const { limits, log, step } of ways) {
+      expect(from_slider(0, limits, log, step)).toBe(limits.low);
+      expect(from_slider(slider_steps, limits, log, step)).toBe(limits.high);
+      for (let at = -5; at <= slider_steps + 5; at++) {
+        const value = from_slider(at, limits, log, step);
+        expect(value >= limits.low && value <= limits.high).toBe(true);
+      }
+    }
+  });
+  it("rises, and stands where its value is", () => {
+    for (const { limits, log, step } of ways)
+      for (let at = 10; at < slider_steps; at += 10) {
+        const value = from_slider(at, limits, log, step);
+        expect(value).toBeGreaterThanOrEqual(from_slider(at - 10, limits, log, step));
+        expect(Math.abs(to_slider(value, limits, log) - at)).toBeLessThanOrEqual(5);
+      }
+  });
+  it("stands at an end for what lies beyond, and for nothing at all", () => {
+    expect(to_slider(-5, { low: 0, high: 1 }, false)).toBe(0);
+    expect(to_slider(0, { low: 0.1, high: 10 }, true)).toBe(0);
+    expect(to_slider(1e9, { low: 0.1, high: 10 }, true)).toBe(slider_steps);
+    expect(to_slider(3, { low: 3, high: 3 }, false)).toBe(0);
+  });
+});

@@ -1,0 +1,111 @@
+import { useEffect, useRef, useState } from "preact/hooks";
+import { t } from "../../../texts/en";
+import type { ViewerSession } from "../../../video/viewer_session";
+import { Icon, type IconName } from "../../icons";
+import { CutsWindow } from "./cuts_window";
+import { closed, docked, moved, opened, remember_layout, remembered_layout, window_names, type Layout, type WindowName } from "./layout";
+import { LensWindow } from "./lens_window";
+import { LightWindow } from "./light_window";
+import { LookWindow } from "./look_window";
+import { SettingsWindow } from "./settings_window";
+
+export interface SettingsProps {
+  readonly session: ViewerSession;
+  /** The scene is this person's to change. */
+  readonly leads: boolean;
+}
+
+const icons: Readonly<Record<WindowName, IconName>> = { look: "palette", light: "lamp", lens: "aperture", cuts: "slice" };
+const views = { look: LookWindow, light: LightWindow, lens: LensWindow, cuts: CutsWindow } as const;
+const narrow_page = "(max-width: 700px), (max-height: 420px)";
+// Where storage is blocked, even looking at it throws: only when it is used.
+const store = () => sessionStorage;
+
+/** The menu at the left, and the windows that it opens (thesis, 4.1 and 5.3). */
+export function Settings({ session, leads }: SettingsProps) {
+  const [layout, set_layout] = useState<Layout>(() => remembered_layout(store));
+  const [fresh, set_fresh] = useState<WindowName | null>(null);
+  const narrow = use_media(narrow_page);
+  const menu = useRef<HTMLElement>(null);
+  const steps = session.steps.value;
+
+  const change = (next: Layout) => {
+    set_layout(next);
+    remember_layout(store, next);
+  };
+  const show = (name: WindowName) => {
+    set_fresh(name);
+    change(opened(layout, name, narrow));
+  };
+  const close = (name: WindowName) => {
+    set_fresh(null);
+    change(closed(layout, name));
+    menu.current?.querySelector<HTMLElement>(`[data-opens="${name}"]`)?.focus();
+  };
+  use_undo_keys(session, leads);
+  const shown = narrow ? layout.open.slice(-1) : layout.open;
+  const step_button = (icon: "undo" | "redo", way: () => void, possible: boolean) => (
+    <button type="button" class="icon-button" aria-label={t.settings[icon]} title={t.settings[icon]} aria-keyshortcuts={t.settings.shortcuts[icon]}
+      aria-disabled={!possible} onClick={() => {
+        if (possible) way();
+      }}>
+      <Icon name={icon} />
+    </button>
+  );
+  return (
+    <>
+      <nav class="glass menu" aria-label={t.settings.menu} ref={menu}>
+        {step_button("undo", () => session.undo(), leads && steps.past.length > 0)}
+        {step_button("redo", () => session.redo(), leads && steps.future.length > 0)}
+        <hr />
+        {window_names.map((name) => (
+          <button key={name} type="button" class="icon-button" data-opens={name} aria-label={t.settings.windows[name]} title={t.settings.windows[name]}
+            aria-expanded={shown.includes(name)} onClick={() => (shown.includes(name) ? close(name) : show(name))}>
+            <Icon name={icons[name]} />
+          </button>
+        ))}
+      </nav>
+      {shown.map((name) => {
+        const View = views[name];
+        return (
+          <SettingsWindow key={name} name={name} layout={layout} narrow={narrow} fresh={fresh === name}
+            onMove={(x, y) => change(moved(layout, name, x, y, { width: innerWidth, height: innerHeight }))}
+            onDock={() => change(docked(layout, name))} onClose={() => close(name)} onReset={leads ? () => session.reset(name) : null}>
+            <View session={session} leads={leads} />
+          </SettingsWindow>
+        );
+      })}
+    </>
+  );
+}
+
+function use_media(query: string): boolean {
+  const [matches, set_matches] = useState(() => matchMedia(query).matches);
+  useEffect(() => {
+    const list = matchMedia(query);
+    const changed = () => set_matches(list.matches);
+    changed();
+    list.addEventListener("change", changed);
+    return () => list.removeEventListener("change", changed);
+  }, [query]);
+  return matches;
+}
+
+/** Text that is being typed has an undo of its own. */
+const has_own_undo = (target: EventTarget | null): boolean =>
+  target instanceof HTMLTextAreaElement || (target instanceof HTMLInputElement && !["range", "checkbox", "radio", "color", "button"].includes(target.type));
+
+function use_undo_keys(session: ViewerSession, leads: boolean): void {
+  useEffect(() => {
+    const pressed = (event: KeyboardEvent) => {
+      const key = event.key.toLowerCase();
+      if (!leads || event.defaultPrevented || !(event.ctrlKey || event.metaKey) || event.altKey || !["z", "y"].includes(key)) return;
+      if (has_own_undo(event.target) || document.querySelector("dialog[open]")) return;
+      event.preventDefault();
+      if (key === "z" && !event.shiftKey) session.undo();
+      else session.redo();
+    };
+    addEventListener("keydown", pressed);
+    return () => removeEventListener("keydown", pressed);
+  }, [session, leads]);
+}
