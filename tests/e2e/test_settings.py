@@ -1,0 +1,155 @@
+"""The windows in which a person changes the picture, on the pictures that come back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Callable
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from harness import StackHouse, TestStack
+from person import Person
+from picture import SIDE, pixels, spread, wait_for_samples
+
+SAMPLES = 24  # so many that halves of the picture are known well
+
+
+@pytest.fixture(scope="module")
+def quick(stack_house: StackHouse):
+    stack = stack_house.open(extra_env={"DIAPHANE_MAX_ERROR": "0.3"})
+    yield stack
+    stack_house.shut(stack)
+
+
+class Hands:
+    """Somebody at the windows of one picture."""
+
+    def __init__(self, stack: TestStack, page: Page):
+        self.stack, self.page = stack, page
+
+    def window(self, name: str) -> Locator:
+        frame = self.page.get_by_role("dialog", name=name, exact=True)
+        if frame.count() == 0:
+            self.page.get_by_role("button", name=name, exact=True).click()
+        return frame
+
+    def kept(self) -> tuple[str, int]:
+        """The scene as the page would show it after a reload, and the number of the input that said it."""
+        scene, seq = self.page.evaluate("""() => {
+            const kept = Object.entries(sessionStorage).find(([name]) => name.startsWith("diaphane.view."));
+            const { scene, input_seq } = JSON.parse(kept?.[1] ?? "{}");
+            return [scene ?? "", input_seq ?? 0];
+        }""")
+        return scene, seq
+
+    def act(self, deed: Callable[[], None]) -> None:
+        """Until the page has another scene for it."""
+        before = self.kept()[0]
+        deed()
+
+        def changed() -> bool:
+            self.page.wait_for_timeout(50)
+            return self.kept()[0] != before
+
+        self.stack.wait_until(changed, what="another scene")
+
+    def write(self, frame: Locator, label: str, text: str) -> None:
+        field = frame.get_by_label(f"{label}, typed")
+        field.fill(text)
+        field.press("Enter")
+
+    def type(self, frame: Locator, label: str, text: str) -> None:
+        self.act(lambda: self.write(frame, label, text))
+
+    def picture(self) -> bytes:
+        """Of the scene as it is now."""
+        wait_for_samples(self.stack, self.page, SAMPLES, input_seq=self.kept()[1])
+        return pixels(self.page)
+
+
+def halves(picture: bytes) -> tuple[float, float]:
+    """Mean brightness of the left and the right half."""
+    left = right = 0
+    for y in range(SIDE):
+        row = picture[y * SIDE * 3:(y + 1) * SIDE * 3]
+        left += sum(row[:SIDE * 3 // 2])
+        right += sum(row[SIDE * 3 // 2:])
+    return left / (SIDE * SIDE * 1.5), right / (SIDE * SIDE * 1.5)
+
+
+def test_every_window_changes_the_picture_and_all_of_it_can_be_undone(quick: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit(small=True)
+    person = Person.arrives(quick, page, "wilma")
+    scan = person.has_scan(cranium, "Head")
+    page.set_viewport_size({"width": 720, "height": 440})  # no larger than it takes for windows that are no sheets
+    page.goto(f"{quick.url}/view/{scan}")
+    wait_for_samples(quick, page, 1)
+    hands = Hands(quick, page)
+    quick.wait_until(lambda: hands.kept()[0], what="the first scene")
+    begun = hands.kept()[0]
+    undo = page.get_by_role("button", name="Undo", exact=True)
+    expect(undo).to_have_attribute("aria-disabled", "true")
+
+    # Light: one light alone, far to the left, then to the right.
+    light = hands.window("Light")
+    for name in ("fill", "sky"):
+        hands.act(lambda: light.get_by_label(f"Switch on {name}").uncheck())
+    light.get_by_text("More", exact=True).click()
+    hands.type(light, "To the right", "-80")
+    hands.type(light, "Upwards", "0")
+    left, right = halves(hands.picture())
+    assert left > 1.3 * right, (left, right)
+    lit_left = hands.kept()[0]
+    hands.type(light, "To the right", "80")
+    left, right = halves(hands.picture())
+    assert right > 1.3 * left, (left, right)
+    page.screenshot(path=pictures / "lit-from-the-right.png")
+    hands.act(undo.click)
+    assert hands.kept()[0] == lit_left
+    left, right = halves(hands.picture())
+    assert left > 1.3 * right, (left, right)
+
+    # Nonsense is answered in words, and changes nothing.
+    for typed in ("far", "999", ""):
+        hands.write(light, "Upwards", typed)
+        expect(light.get_by_role("alert")).to_have_text("A number from -90 to 90 °, please.")
+    light.get_by_label("Upwards, typed").press("Escape")
+    expect(light.get_by_role("alert")).to_have_count(0)
+    assert hands.kept()[0] == lit_left
+    hands.act(light.get_by_role("button", name="Reset the light").click)
+    assert hands.kept()[0] == begun
+
+    # Cuts: all but the patient's left half goes, which is on the right of the picture.
+    cuts = hands.window("Cuts and slices")
+    hands.type(cuts, "Patient’s right", "0")
+    left, right = halves(hands.picture())
+    assert right > 2 * left, (left, right)
+    hands.act(cuts.get_by_role("button", name="Remove all cuts and slices").click)
+
+    # A slice alone: grey and nothing else.
+    hands.act(cuts.get_by_label("Show the coronal slice").check)
+    hands.act(cuts.get_by_label("Nothing but the slices").check)
+    alone = hands.picture()
+    page.screenshot(path=pictures / "slice-alone.png")
+    assert spread(alone) > 5
+    assert all(max(alone[i:i + 3]) - min(alone[i:i + 3]) < 24 for i in range(0, len(alone), 3))
+    hands.act(cuts.get_by_role("button", name="Remove all cuts and slices").click)
+
+    # Materials: by keys in the graph, over the histogram that the renderer has counted.
+    look = hands.window("Materials")
+    graph = look.get_by_role("application")
+    expect(look.locator(".graph-histogram")).to_have_count(1)
+    points = int(graph.get_attribute("data-points"))
+    graph.focus()
+    hands.act(lambda: page.keyboard.press("Insert"))
+    hands.act(lambda: page.keyboard.press("Shift+ArrowDown"))
+    expect(graph).to_have_attribute("data-points", str(points + 1))
+    page.screenshot(path=pictures / "materials.png")
+
+    # Back to the beginning, step by step, by keys.
+    while undo.get_attribute("aria-disabled") == "false":
+        hands.act(lambda: page.keyboard.press("Control+z"))
+    assert hands.kept()[0] == begun
+    page.keyboard.press("Escape")
+    expect(look).to_have_count(0)
