@@ -52,7 +52,7 @@ export function LightBall({ direction, others, leads, change, rest }: LightBallP
     change({ right: wrapped(direction.right + step * way[0]), up: clamp(direction.up + step * way[1], -90, 90) }, false);
   };
   return (
-    <svg ref={svg} class="ball" viewBox={`${-radius - 10} ${-radius - 10} ${2 * radius + 20} ${2 * radius + 20}`} role="application" tabIndex={0}
+    <svg ref={svg} class="ball" viewBox={`${-radius - 10} ${-radius - 10} ${2 * radius + 20} ${2 * radius + 20}`} role="application" tabindex={0}
       aria-label={t.settings.light.ball(direction.right.toFixed(0), direction.up.toFixed(0))}
       onPointerDown={grabbed} onPointerMove={(event) => {
         if (held.current !== null) point(event, held.current);

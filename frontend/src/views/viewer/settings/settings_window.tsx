@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { t } from "../../../texts/en";
 import { Icon } from "../../icons";
 import { place_in, type Layout, type WindowName } from "./layout";
@@ -28,7 +28,8 @@ export function SettingsWindow({ name, layout, narrow, fresh, onMove, onDock, on
   const place = place_in(layout, name);
   const free = !narrow && !place.docked;
   const title = t.settings.windows[name];
-  useEffect(() => {
+  // Before anything else can be pressed: a later one would take the focus back from where a hand has put it.
+  useLayoutEffect(() => {
     if (fresh) frame.current?.focus();
   }, [fresh]);
 
