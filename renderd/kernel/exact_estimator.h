@@ -134,13 +134,13 @@ HOST_DEVICE SampleOf<F> exact_estimate(const SceneView<Volume>& scene, std::uint
         return target_depth(hit.stratum, scene.exact.strata[hit.kind], offsets[hit.kind]);
       },
       own.exponential(),
-      [&](const HitNumber& number, const CellCrossing<Volume>& cell, float depth) {
+      [&](const HitNumber& which, const CellCrossing<Volume>& cell, float depth) {
         const Corners corners = scene.volume.corners(cell.cell, cell.brick);
         const float t =
             place_in_cell<F.has(Feature::kCurves)>(corners, cell.way, scene.exact, depth);
         const Hit hit{t, corners.at(cell.way.at(t))};
         const HitTask task = task_of<F>(scene, sample.camera, sample.points, sample.random,
-                                        number.kind, number.stratum, hit);
+                                        which.kind, which.stratum, hit);
         radiance += task.radiance;
         if (!task.lit) return;
         TransmittanceWalk<F, Volume> walk(task.ray, task.span, scene.volume, scene.exact,
