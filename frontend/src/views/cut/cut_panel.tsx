@@ -1,6 +1,6 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Anonymise } from "../../api/anonymise";
-import { bounds_of, from_proposal, handles, moved, part_that_goes, range_of, to_body, whole, type Box, type Region } from "../../cut/region";
+import { bounds_of, from_proposal, handles, moved, part_that_goes, range_of, to_body, whole, type Box, type Handle, type Region } from "../../cut/region";
 import { camera_of, with_clip, type VolumeHeader } from "../../protocol/messages";
 import { t } from "../../texts/en";
 import type { ViewerSession } from "../../video/viewer_session";
@@ -64,12 +64,14 @@ function Chooser({ session, data_set_id, onConfirm, volume, facts }: ChooserProp
         <p class={facts.head?.found ? "cut-warning" : ""}>{warning}</p>
         <p class="muted">{t.cut.how}</p>
         <Sliders region={region} bounds={bounds} change={change} />
-        <p role="status" class="cut-goes">{t.cut.goes(percent)}</p>
-        <div class="cut-buttons">
-          <button type="button" class="button" onClick={() => change(whole(bounds), true)}>{t.cut.keep_all}</button>
-          {proposal ? <button type="button" class="button" onClick={() => change(from_proposal(proposal, bounds), true)}>{t.cut.propose}</button> : null}
-          <Link href={`/view/${data_set_id}`} class="button">{t.cut.leave}</Link>
-          <button type="button" class="button button-danger" onClick={() => set_asking(true)}>{t.cut.go_on}</button>
+        <div class="cut-end">
+          <p role="status" class="cut-goes">{t.cut.goes(percent)}</p>
+          <div class="cut-buttons">
+            <button type="button" class="button button-small" onClick={() => change(whole(bounds), true)}>{t.cut.keep_all}</button>
+            {proposal ? <button type="button" class="button button-small" onClick={() => change(from_proposal(proposal, bounds), true)}>{t.cut.propose}</button> : null}
+            <Link href={`/view/${data_set_id}`} class="button button-small">{t.cut.leave}</Link>
+            <button type="button" class="button button-danger" onClick={() => set_asking(true)}>{t.cut.go_on}</button>
+          </div>
         </div>
       </section>
       {asking ? <Confirm percent={percent} onClose={() => set_asking(false)} onConfirm={() => onConfirm(region, volume.contentHash)} /> : null}
@@ -93,6 +95,11 @@ interface SlidersProps {
 /** The second way to each handle. */
 function Sliders({ region, bounds, change }: SlidersProps) {
   const { plane } = region;
+  const of_handle = (handle: Handle) => {
+    // The whole way, so that the thumb stands where the face is; what would close the box is not taken.
+    const range = handle.kind === "plane" ? range_of(handle, region, bounds) : { low: bounds.low[handle.axis], high: bounds.high[handle.axis], at: region[handle.side][handle.axis] };
+    return <Slider key={key_of(handle)} label={name_of(handle)} {...range} said={t.cut.mm} change={(to, rest) => change(moved(handle, to, region, bounds), rest)} />;
+  };
   return (
     <fieldset class="cut-sliders">
       <legend>{t.cut.panel}</legend>
@@ -104,13 +111,10 @@ function Sliders({ region, bounds, change }: SlidersProps) {
         <>
           <Slider label={t.cut.tilt} low={0} high={90} at={plane.tilt} said={t.cut.degrees} change={(tilt, rest) => change({ ...region, plane: { ...plane, tilt } }, rest)} />
           <Slider label={t.cut.aside} low={-60} high={60} at={plane.aside} said={t.cut.degrees} change={(aside, rest) => change({ ...region, plane: { ...plane, aside } }, rest)} />
+          {handles.filter(({ kind }) => kind === "plane").map(of_handle)}
         </>
       ) : null}
-      {handles.filter((handle) => handle.kind === "face" || plane.on).map((handle) => {
-        // The whole way, so that the thumb stands where the face is; what would close the box is not taken.
-        const range = handle.kind === "plane" ? range_of(handle, region, bounds) : { low: bounds.low[handle.axis], high: bounds.high[handle.axis], at: region[handle.side][handle.axis] };
-        return <Slider key={key_of(handle)} label={name_of(handle)} {...range} said={t.cut.mm} change={(to, rest) => change(moved(handle, to, region, bounds), rest)} />;
-      })}
+      {handles.filter(({ kind }) => kind === "face").map(of_handle)}
     </fieldset>
   );
 }
