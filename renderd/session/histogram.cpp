@@ -14,7 +14,7 @@ constexpr std::size_t kMostLooked = 4'000'000;
 
 diaphane::v1::Histogram histogram_of(const volume::Volume& volume) {
   const volume::Header& header = volume.header;
-  const double values = double{header.maximum} - header.minimum + 1;
+  const double values = static_cast<double>(header.maximum) - header.minimum + 1;
   const double width = std::max(1.0, values / kMostBins);
   std::vector<std::uint32_t> counts(std::min(kMostBins, static_cast<std::size_t>(values)));
   // Odd, so that it shares no factor with rows of a power of two: those would give one column.
