@@ -96,6 +96,8 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
 
 def _block(browser, stack: Stack, person: Person, data_set: str, codec: str, inputs: int, seed: int) -> Block | None:
     """A page of its own; nothing where it did not get that codec."""
+    from playwright.sync_api import expect
+
     context = browser.new_context(viewport={"width": WIDTH, "height": HEIGHT})
     try:
         url = stack.settings.url
@@ -106,6 +108,9 @@ def _block(browser, stack: Stack, person: Person, data_set: str, codec: str, inp
         page = context.new_page()
         page.goto(f"{url}/view/{data_set}")
         page.wait_for_selector("canvas[data-samples]", timeout=120_000)
+        # Once for each scan its presets are pictured, on the same device.
+        page.wait_for_selector(".preset-picture img", timeout=180_000)
+        expect(page.locator(".preset-picture:not(:has(img))")).to_have_count(0, timeout=180_000)
         if (got := page.evaluate("diaphaneProbe.codec")) != CODECS[codec]:
             say(f"{codec}: the page was given codec {got}")
             return None
