@@ -23,8 +23,8 @@ class Sessions final : public Placement, public Tickets, public Workers, public 
     std::uint32_t reservation_ms = 15'000;
     std::uint32_t ticket_s = 30;
     std::uint32_t session_s = 24 * 3600;
-    std::uint32_t refused_ms =
-        30'000;  ///< so long a worker without memory for a session is not asked again
+    /// So long a worker that had no memory for a session is not asked again.
+    std::uint32_t refused_ms = 30'000;
   };
 
   explicit Sessions(Client& client) : Sessions(client, Limits()) {}

@@ -29,8 +29,8 @@ struct FrameInfo {
   std::uint64_t input_seq = 0;
   std::uint64_t samples = 0;  ///< per pixel
   double error = 0;           ///< infinite while unknown
-  std::uint64_t render_us =
-      0;  ///< work for it since the epoch began: scene, samples, this picture of them
+  /// Work for it since the epoch began: the scene made ready, samples, this picture of them.
+  std::uint64_t render_us = 0;
   bool first_of_epoch = false;
   bool moving = false;     ///< code it for speed, not for quality
   bool converged = false;  ///< the last of its epoch

@@ -5,16 +5,20 @@ import { t } from "../../../texts/en";
 import { Icon } from "../../icons";
 import { NumberControl } from "./controls";
 
-export interface PointControlsProps {
-  readonly channel: Channel;
+/** The chosen point of a channel, and what a hand does with it. */
+export interface PointActs {
   readonly point: number;
-  readonly unit: string;
   readonly range: Limits;
   readonly choose: (point: number) => void;
   readonly move: (point: number, value: number, opacity: number, held: boolean) => void;
   readonly rest: () => void;
-  readonly add: () => void;
   readonly remove: () => void;
+}
+
+export interface PointControlsProps extends PointActs {
+  readonly channel: Channel;
+  readonly unit: string;
+  readonly add: () => void;
 }
 
 /** One point in numbers. */

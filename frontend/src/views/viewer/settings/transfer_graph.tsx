@@ -3,24 +3,19 @@ import type { TransferFunction } from "../../../protocol/gen/api/proto/scene_pb"
 import type { Histogram } from "../../../protocol/messages";
 import { hex_of } from "../../../scene/colour";
 import { outline } from "../../../scene/histogram";
-import { short_number, type Limits } from "../../../scene/numbers";
+import { short_number } from "../../../scene/numbers";
 import { t } from "../../../texts/en";
 import { area_of, graph_edge, graph_height, graph_width, line_of, nearest_point, opacity_of, points_of, value_at, type At } from "./curve";
+import type { PointActs } from "./point_controls";
 
-export interface TransferGraphProps {
+export interface TransferGraphProps extends PointActs {
   readonly transfer: TransferFunction;
-  readonly range: Limits;
   readonly histogram: Histogram | null;
   readonly logarithmic: boolean;
   readonly channel: number;
-  readonly point: number;
   readonly leads: boolean;
-  readonly choose: (point: number) => void;
-  readonly move: (point: number, value: number, opacity: number, held: boolean) => void;
-  readonly rest: () => void;
   /** Nothing said: where there is most room. */
   readonly add: (at?: { readonly value: number; readonly opacity: number }) => void;
-  readonly remove: () => void;
 }
 
 /** In the graph's units: a finger's breadth. */
