@@ -61,10 +61,15 @@ def go(page, url: str, place: Place, data_set: str) -> None:
 
 
 def settle(page, milliseconds: int = 15_000) -> None:
-    """A heading is there and nothing says that it is loading; what never ends (a viewer without a renderer) is waited for no longer."""
+    """A heading is there, nothing says that it is loading, a viewer has its picture and what lies on it; what never ends (a
+    viewer without a renderer) is waited for no longer."""
     page.wait_for_selector("h1", timeout=milliseconds, state="attached")
     for _ in range(20):
         if page.get_by_text("Loading…", exact=True).count() == 0:
+            break
+        page.wait_for_timeout(250)
+    for _ in range(20):
+        if page.locator(".stage canvas:not([data-samples])").count() == 0:
             break
         page.wait_for_timeout(250)
     page.wait_for_timeout(250)

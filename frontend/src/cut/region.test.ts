@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { cross, dot, vec3 } from "../input/vec3";
-import { bounds_of, dragged, from_proposal, handles, moved, on_screen, part_that_goes, plane_in_box, place_of, range_of, to_body, whole } from "./region";
+import { bounds_of, dragged, from_proposal, handle_px, handles, handles_to_take, moved, on_screen, part_that_goes, plane_in_box, place_of, range_of, to_body, whole } from "./region";
 
 const bounds = bounds_of({ size: [100, 200, 50], spacing: [1, 1, 4], direction: [1, 0, 0, 0, 1, 0, 0, 0, 1] });
 const front = { eye: vec3(0, -500, 0), target: vec3(0, 0, 0), up: vec3(0, 0, 1), verticalFovDegrees: 30 };
@@ -101,4 +101,21 @@ test("how much goes is said about right", () => {
   expect(part_that_goes(whole(bounds), bounds)).toBe(0);
   expect(part_that_goes(moved({ kind: "face", axis: "z", side: "high" }, 0, whole(bounds), bounds), bounds)).toBeCloseTo(0.5, 6);
   expect(part_that_goes({ ...whole(bounds), plane: { on: true, tilt: 0, aside: 0, offset: 0 } }, bounds)).toBeCloseTo(0.5, 6);
+});
+
+test("no two handles lie on each other: of those the held one stays, then the plane's, then the nearer one", () => {
+  const box = whole(bounds), cut = { ...box, plane: { ...box.plane, on: true, tilt: 0, offset: 100 - 1 } };
+  const names = (region: typeof box, held: (typeof handles)[number] | null = null) =>
+    handles_to_take(front, screen, region, held).map(({ handle }) => (handle.kind === "plane" ? "plane" : `${handle.axis}-${handle.side}`));
+  const back = handles.find((h) => h.kind === "face" && h.axis === "y" && h.side === "high") ?? null;
+  expect(names(box)).toEqual(["x-low", "x-high", "y-low", "z-low", "z-high"]);
+  expect(names(box, back)).toEqual(["x-low", "x-high", "y-high", "z-low", "z-high"]);
+  expect(names(cut)).toEqual(["x-low", "x-high", "z-low", "z-high", "plane"]);
+  // Whichever way the head is turned.
+  for (let turn = 0; turn < 360; turn += 7) {
+    const eye = vec3(500 * Math.sin((turn * Math.PI) / 180), -500 * Math.cos((turn * Math.PI) / 180), 90);
+    const taken = handles_to_take({ ...front, eye }, screen, cut, back);
+    expect(taken.some(({ handle }) => handle === back)).toBe(true);
+    for (const a of taken) for (const b of taken) if (a !== b) expect(Math.hypot(a.x - b.x, a.y - b.y)).toBeGreaterThanOrEqual(handle_px);
+  }
 });

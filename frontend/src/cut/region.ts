@@ -1,5 +1,5 @@
 import { orbit_frame, orbit_of, type CameraPose } from "../input/camera";
-import { add, cross, dot, scale, subtract, vec3, type Vec3 } from "../input/vec3";
+import { add, cross, dot, length, scale, subtract, vec3, type Vec3 } from "../input/vec3";
 
 /** Where a plane's normal points, from straight ahead, and where the plane is. */
 export interface FacePlane {
@@ -176,6 +176,35 @@ export function dragged(pose: CameraPose, screen: Screen, place: Vec3, along: Ve
   const x = ahead.x - here.x, y = ahead.y - here.y;
   const square = x * x + y * y;
   return square < 0.04 ? null : (by.x * x + by.y * y) / square;
+}
+
+/** Pixels: the side of a handle's target (style/cut.css). */
+export const handle_px = 44;
+
+export interface PlacedHandle {
+  readonly handle: Handle;
+  readonly place: Vec3;
+  readonly along: Vec3;
+  readonly x: number;
+  readonly y: number;
+}
+
+/**
+ * The handles that a hand can take, each where it is on the screen. Of two that would lie on each other the one that is held
+ * stays, then the plane's, then the nearer one: the other would be hit by chance. The sliders are the way to it meanwhile.
+ */
+export function handles_to_take(pose: CameraPose, screen: Screen, region: Region, held: Handle | null): PlacedHandle[] {
+  const placed = handles.flatMap((handle) => {
+    const where = place_of(handle, region);
+    const point = where && on_screen(pose, screen, where.place);
+    return point ? [{ handle, ...where, ...point }] : [];
+  });
+  const rank = ({ handle, place }: PlacedHandle) => (handle === held ? -2 : handle.kind === "plane" ? -1 : length(subtract(place, pose.eye)));
+  const taken: PlacedHandle[] = [];
+  for (const one of [...placed].sort((a, b) => rank(a) - rank(b))) {
+    if (taken.every(({ x, y }) => Math.hypot(x - one.x, y - one.y) >= handle_px)) taken.push(one);
+  }
+  return placed.filter((one) => taken.includes(one));
 }
 
 /** The part of the scan that goes, 0 to 1, by a lattice of places: for a person to read, not to rely on. */

@@ -1,6 +1,6 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { CameraPose } from "../../input/camera";
-import { corners, dragged, edges, handles, moved, on_screen, plane_in_box, place_of, range_of, type Box, type Handle, type Region } from "../../cut/region";
+import { corners, dragged, edges, handles_to_take, moved, on_screen, plane_in_box, range_of, type Box, type Handle, type PlacedHandle, type Region } from "../../cut/region";
 import { t } from "../../texts/en";
 
 export const name_of = (handle: Handle): string => (handle.kind === "plane" ? t.cut.plane : t.cut.faces[handle.axis][handle.side]);
@@ -16,6 +16,7 @@ export interface HandlesProps {
 /** The box and the plane over the picture, with a handle for each of their faces. */
 export function Handles({ pose, region, bounds, change }: HandlesProps) {
   const area = useRef<HTMLDivElement>(null);
+  const [held, set_held] = useState<Handle | null>(null);
   const [screen, set_screen] = useState({ width: 1, height: 1 });
   useEffect(() => {
     const element = area.current;
@@ -38,27 +39,27 @@ export function Handles({ pose, region, bounds, change }: HandlesProps) {
         })}
         {plane.length > 2 ? <polygon points={plane.join(" ")} /> : null}
       </svg>
-      {handles.map((handle) => <One key={key_of(handle)} handle={handle} pose={pose} region={region} bounds={bounds} change={change} screen={screen} />)}
+      {handles_to_take(pose, screen, region, held).map((placed) => (
+        <One key={key_of(placed.handle)} placed={placed} pose={pose} region={region} bounds={bounds} change={change} screen={screen} hold={set_held} />
+      ))}
     </div>
   );
 }
 
 interface OneProps extends HandlesProps {
-  readonly handle: Handle;
+  readonly placed: PlacedHandle;
   readonly screen: { readonly width: number; readonly height: number };
+  readonly hold: (handle: Handle | null) => void;
 }
 
-function One({ handle, pose, region, bounds, change, screen }: OneProps) {
+function One({ placed, pose, region, bounds, change, screen, hold }: OneProps) {
+  const { handle, place, along, x, y } = placed;
   const button = useRef<HTMLButtonElement>(null);
   const held = useRef<{ x: number; y: number; at: number } | null>(null);
-  const where = place_of(handle, region);
-  const point = where && on_screen(pose, screen, where.place);
   useEffect(() => {
-    if (!button.current || !point) return;
     // By a property, which the content security policy allows.
-    button.current.style.transform = `translate(${Math.round(point.x)}px, ${Math.round(point.y)}px) translate(-50%, -50%)`;
+    if (button.current) button.current.style.transform = `translate(${Math.round(x)}px, ${Math.round(y)}px) translate(-50%, -50%)`;
   });
-  if (!where || !point) return null;
   const range = range_of(handle, region, bounds);
   const step = (by: number) => change(moved(handle, range.at + by, region, bounds), true);
   return (
@@ -74,6 +75,8 @@ function One({ handle, pose, region, bounds, change, screen }: OneProps) {
       aria-valuemax={Math.round(range.high)}
       aria-valuenow={Math.round(range.at)}
       aria-valuetext={t.cut.mm(Math.round(range.at))}
+      onFocus={() => hold(handle)}
+      onBlur={() => hold(null)}
       onPointerDown={(event) => {
         event.preventDefault();
         event.currentTarget.focus();
@@ -83,7 +86,7 @@ function One({ handle, pose, region, bounds, change, screen }: OneProps) {
       onPointerMove={(event) => {
         const start = held.current;
         if (!start) return;
-        const by = dragged(pose, screen, where.place, where.along, { x: event.clientX - start.x, y: event.clientY - start.y });
+        const by = dragged(pose, screen, place, along, { x: event.clientX - start.x, y: event.clientY - start.y });
         if (by === null) return;
         const next = moved(handle, start.at + by, region, bounds);
         change(next, false);
