@@ -19,14 +19,14 @@ from itertools import count
 from typing import Awaitable, Iterable, Iterator, Sequence
 
 import psycopg
-from api_client import add_worker, forget_attempts
+from api_client import forget_attempts
 from attack_plan import ITSELF, Cell, Choice, Tally, fault_of
 from edge_attacks import Attack, Request, attacks_on, slow
 from edge_help import STATUS_LINE, requests_of
 from harness import TestStack
 from psycopg import sql
 from who_may_table import OPERATIONS
-from who_may_world import World, question
+from who_may_world import World, able_to_render, question
 
 #: Cells at a time, each with one connection: more than the API's threads, fewer than would make it refuse.
 AT_ONCE = 24
@@ -74,7 +74,7 @@ def _stream(world: World, cell: Cell, request: Request) -> Request:
     ticket = "0" * 64
     data_set = world.data_set_id()
     if cell.may:
-        add_worker(world.stack, "who-may", slots=100_000, seconds=36_000)
+        able_to_render(world.stack)
         answer = world.someone(cell.role).http.post("/v1/sessions", json={"data_set_id": data_set})
         assert answer.status_code == 201, answer.text
         ticket = answer.json()["stream_url"].rpartition("=")[2]
@@ -306,7 +306,7 @@ def run(stack: TestStack, password_hash: str, chosen: Sequence[Cell], choice: Ch
 async def _run(stack: TestStack, password_hash: str, chosen: Sequence[Cell], choice: Choice, drip_seconds: int, anew: bool) -> Outcome:
     attacker, sent = Attacker(stack), Sent(stack)
     aimed = await asyncio.to_thread(_aim, stack, password_hash, chosen)
-    add_worker(stack, "who-may", slots=100_000, seconds=36_000)
+    able_to_render(stack)
     before = await asyncio.to_thread(state_of, stack)
     await asyncio.gather(*(attacker.drip(one, drip_seconds) for one in aimed if drip_seconds), _at_most(AT_ONCE, (
         _ask(attacker, one, choice) for one in aimed)))

@@ -19,6 +19,11 @@ from harness import TestStack
 ROLES = ("nobody", "unverified", "other", "view", "edit", "owner", "administrator")
 
 
+def able_to_render(stack: TestStack) -> None:
+    """A worker with more room than a whole list of attacks takes, for longer than it lasts."""
+    add_worker(stack, "who-may", slots=100_000, seconds=36_000)
+
+
 class World:
     """One question's: everything in it is new, so that what one asks harms no other."""
 
@@ -160,7 +165,7 @@ class World:
         return made
 
     def session_id(self) -> str:
-        add_worker(self.stack, "who-may", slots=1000)
+        able_to_render(self.stack)
         answer = self.who_made.http.post("/v1/sessions", json={"data_set_id": self.data_set_id()})
         assert answer.status_code == 201, answer.text
         return answer.json()["session_id"]
@@ -314,8 +319,8 @@ before: dict[str, Callable[[World, Person], None]] = {
     "getExport": lambda world, who: world.export_of(who, "queued"),
     "deleteExport": lambda world, who: world.export_of(who, "ready"),
     "downloadExport": lambda world, who: world.export_of(who, "ready"),
-    "createTicket": lambda world, who: add_worker(world.stack, "who-may", slots=1000),
-    "createVisit": lambda world, who: add_worker(world.stack, "who-may", slots=1000),
+    "createTicket": lambda world, who: able_to_render(world.stack),
+    "createVisit": lambda world, who: able_to_render(world.stack),
     "voteForPreset": lambda world, who: world.publish(),
     "reportDataSet": lambda world, who: world.publish(),
     "takeDownDataSet": lambda world, who: world.publish(),
@@ -360,7 +365,7 @@ OF_THE_SCAN = ("private", "public", "taken-down", "sample")
 
 
 def ready_to_render(world: World) -> str:
-    add_worker(world.stack, "who-may", slots=1000)
+    able_to_render(world.stack)
     return world.data_set_id()
 
 
