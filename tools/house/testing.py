@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable
 
-from . import build, fuzz, gpu, install, paths
+from . import build, fuzz, gpu, install, kubernetes, paths
 from .says import HouseError, say, step, warn
 
 
@@ -48,8 +48,13 @@ def suites() -> list[Suite]:
         Suite("fuzzing", "unit", _fuzz),
         Suite("integration", "integration", lambda reports: _pytest("integration", reports)),
         Suite("end to end", "e2e", lambda reports: _pytest("e2e", reports)),
+        Suite("Kubernetes", "cluster", lambda reports: _pytest("cluster", reports)),
         Suite("GPU", "gpu", lambda reports: _ctest(["-L", "gpu"], reports)),
     ]
+
+
+#: Run only when they are asked for: without a device, or the minutes that Kubernetes takes to build, they tell nothing.
+BY_NAME = ("gpu", "cluster")
 
 
 def run(kind: str | None, may_install: bool = True, with_checks: bool = False) -> int:
@@ -63,7 +68,7 @@ def run(kind: str | None, may_install: bool = True, with_checks: bool = False) -
         _build(kind)
         reports = _fresh(paths.build_dir() / "reports" / "house")
         for suite in suites():
-            if suite.kind == kind or (kind is None and suite.kind != "gpu"):
+            if suite.kind == kind or (kind is None and suite.kind not in BY_NAME):
                 total += _report(suite.name, suite.run(reports))
         if with_checks:
             total += _report("slow checks", check.count(slow=True))
@@ -89,13 +94,15 @@ def _prepare(kind: str | None, may_install: bool) -> None:
 
 
 def _build(kind: str | None) -> None:
-    if kind != "gpu" and (paths.FRONTEND / "package.json").exists():
+    if kind == "cluster":
+        kubernetes.ensure()
+    if kind not in BY_NAME and (paths.FRONTEND / "package.json").exists():
         build.npm_install()
         if kind != "unit":
             build.build_page()
     if "DIAPHANE_BUILD" in os.environ:
         say(f"Using what is in {paths.build_dir()} as it is (DIAPHANE_BUILD)")
-    elif kind in ("integration", "e2e"):
+    elif kind in ("integration", "e2e", "cluster"):
         build.build_programs()
     else:
         build.ninja(build.configure(), ["all"])

@@ -1,0 +1,67 @@
+"""The control plane, once for all tests of a run: `plane` with the custom resources and two nodes of kwok with 8 GPUs each, `namespace` an empty
+one of the test's own, with Pod Security "restricted" enforced. A failing test shows the ends of the programs' logs."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import shutil
+import tempfile
+import time
+from pathlib import Path
+
+import pytest
+from plane import Plane
+
+from house import kubernetes, paths, users
+
+CHART = paths.REPO / "helm" / "diaphane"
+_numbers = itertools.count(1)
+
+
+@pytest.fixture(scope="session")
+def plane():
+    if missing := kubernetes.missing():
+        pytest.fail(f"not built: {', '.join(missing)}; ./diaphane test cluster builds them")
+    run_as = users.ordinary_user()
+    folder = Path(tempfile.mkdtemp(prefix="diaphane-plane-"))
+    run_as.own(folder)
+    made = Plane(folder, run_as).start()
+    try:
+        made.kubectl("apply", "--server-side", "-f", str(CHART / "crds"))
+        made.kubectl("wait", "--for=condition=Established", "crd", "-l", "app.kubernetes.io/part-of=diaphane", "--timeout=60s")
+        made.add_nodes(2, gpus=8)
+        yield made
+    finally:
+        made.stop()
+        if not os.environ.get("DIAPHANE_KEEP"):
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+@pytest.fixture
+def namespace(plane: Plane):
+    name = f"test-{next(_numbers)}"
+    plane.apply({"apiVersion": "v1", "kind": "Namespace", "metadata": {"name": name, "labels": {
+        "pod-security.kubernetes.io/enforce": "restricted", "pod-security.kubernetes.io/enforce-version": "latest"}}})
+    wait_for(lambda: plane.kubectl("get", "sa", "default", "-n", name, check=False).code == 0, "the namespace's account")
+    yield name
+    plane.kubectl("delete", "namespace", name, "--wait=false", check=False)
+
+
+def wait_for(condition, what: str, timeout: float = 120):
+    """The first true value of `condition`."""
+    deadline = time.monotonic() + timeout
+    while not (value := condition()):
+        assert time.monotonic() < deadline, f"{what} did not come within {timeout} s"
+        time.sleep(0.1)
+    return value
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    report = yield
+    made = getattr(item, "funcargs", {}).get("plane")
+    if report.failed and isinstance(made, Plane):
+        for program, text in made.log_tails().items():
+            report.sections.append((f"end of the log of {program}", text))
+    return report

