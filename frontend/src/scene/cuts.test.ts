@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { length, subtract } from "../input/vec3";
 import { camera_of } from "../protocol/messages";
-import { add_plane, box_of, face_limits, move_face, move_plane, planes_of, set_alone, set_slice } from "./cuts";
+import { add_plane, box_of, cuts_light, face_limits, move_face, move_plane, planes_of, set_alone, set_cuts_light, set_slice } from "./cuts";
 import { focus_of, height_at_target, is_orthographic, set_focus, set_fov, set_orthographic } from "./lens";
 import { reset_part } from "./parts";
 import { some_bounds, some_scene } from "./testing";
@@ -21,6 +21,15 @@ describe("the box", () => {
     const cut = move_face(some_scene(), some_bounds, "z", "high", -50);
     expect(face_limits(cut, some_bounds, "z", "low")).toEqual({ low: -80, high: -51 });
     expect(box_of(move_face(cut, some_bounds, "z", "low", 70), some_bounds).low.z).toBe(-51);
+  });
+});
+
+describe("light", () => {
+  it("falls on what a new cut lays open, until that is said otherwise", () => {
+    const cut = move_face(some_scene(), some_bounds, "y", "low", 0);
+    expect(cut.clip?.cutsLight).toBe(true);
+    expect(add_plane(some_scene()).clip?.cutsLight).toBe(true);
+    expect(cuts_light(move_face(set_cuts_light(cut, false), some_bounds, "y", "low", 10))).toBe(false);
   });
 });
 

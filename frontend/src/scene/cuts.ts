@@ -24,7 +24,8 @@ export const least_side_mm = 1;
 export const window_width_limits: Limits = { low: 1, high: 100_000 };
 export const window_centre_limits: Limits = { low: -100_000, high: 100_000 };
 
-const clip_of = (scene: Scene): Clip => scene.clip ?? create(ClipSchema);
+/** Who cuts wants to see what is inside, and without light it would be black. */
+const clip_of = (scene: Scene): Clip => scene.clip ?? create(ClipSchema, { cutsLight: true });
 const message = (v: Vec3) => create(Vec3Schema, v);
 const vector = (v: { readonly x: number; readonly y: number; readonly z: number } | undefined): Vec3 => (v ? vec3(v.x, v.y, v.z) : vec3(0, 0, 0));
 
@@ -52,6 +53,7 @@ export function move_face(scene: Scene, bounds: Box, axis: Axis, side: Side, to:
   return { ...scene, clip: { ...create(ClipSchema), planes, cutsLight, ...corners } };
 }
 
+export const cuts_light = (scene: Scene): boolean => clip_of(scene).cutsLight;
 export const set_cuts_light = (scene: Scene, cutsLight: boolean): Scene => ({ ...scene, clip: { ...clip_of(scene), cutsLight } });
 
 /** A plane by the direction to which it cuts away, as seen from the patient's front, and how far from the middle. */

@@ -71,7 +71,7 @@ function PlanesPart({ session, bounds }: PartProps) {
           rest();
         }}><Icon name="plus" />{text.add_plane}</button></p>
       ) : null}
-      <Switch label={text.cuts_light} on={scene.clip?.cutsLight ?? false} change={(on) => {
+      <Switch label={text.cuts_light} on={cuts.cuts_light(scene)} change={(on) => {
         session.change("cuts light", (now) => cuts.set_cuts_light(now, on));
         rest();
       }} />
