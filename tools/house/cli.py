@@ -85,7 +85,8 @@ def _parser() -> argparse.ArgumentParser:
     bench.set_defaults(takes_rest=True)    # a measurement may have options of its own
     pictures = command("screenshots", _screenshots, "FOLDER: a picture of every page at three sizes, light and dark, to be looked at")
     pictures.add_argument("folder", type=Path)
-    pictures.add_argument("--only", default="", metavar="TEXT", help="only pages with this in their name (person-scans, nobody-sign-in, ...)")
+    pictures.add_argument("--only", default="", metavar="TEXT", help="only what has this in its name (person-scans, nobody-sign-in, viewer-light, ...)")
+    command("guide", lambda *_: _guide(), "make the pictures of docs/guide.md anew")
     commands.add_parser("help", help="this").set_defaults(run=lambda *_: parser.print_help() or 0)
     return parser
 
@@ -152,6 +153,12 @@ def _screenshots(options: argparse.Namespace, _: list[str]) -> int:
     from . import screenshots
 
     return screenshots.run(options.folder.resolve(), options.only)
+
+
+def _guide() -> int:
+    from . import screenshots
+
+    return screenshots.guide()
 
 
 def _admin(options: argparse.Namespace, _: list[str]) -> int:

@@ -1,13 +1,15 @@
-"""`./diaphane screenshots FOLDER`: a picture of every page, at three sizes, light and dark, for somebody to look at."""
+"""`./diaphane screenshots FOLDER`: a picture of every page and of every step through the viewer, at three sizes, light and dark,
+for somebody to look at. `./diaphane guide`: those that docs/guide.md shows."""
 
 from __future__ import annotations
 
 import subprocess
 import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Iterator
 
-from . import bench, build, chromium, install, page_walk
+from . import bench, build, chromium, install, page_walk, paths, viewer_walk
 from .bench_client import Person, cranium
 from .bench_stack import running
 from .says import say
@@ -15,30 +17,54 @@ from .stack import Stack
 
 SIZES = {"phone": (390, 844), "tablet": (820, 1180), "desk": (1440, 900)}
 LOOKS = ("light", "dark")
+#: What docs/guide.md shows: steps, and at which size.
+GUIDE = paths.REPO / "docs" / "guide"
+GUIDE_SIZES = {"desk": (1200, 750), "phone": (390, 844)}
+GUIDE_ON_A_PHONE = ("start", "light")
 
 
 def run(out: Path, only: str) -> int:
-    install.ensure("bench")
-    if not bench.in_venv():
-        return bench.again_in_venv()
-    build.build_page()
-    build.build_programs()
-    from playwright.sync_api import sync_playwright
-
-    out.mkdir(parents=True, exist_ok=True)
     made = 0
-    with running("cpu") as stack, tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        person = Person(stack)
-        shown = _scans(stack, person, Path(folder))
-        browser = playwright.chromium.launch(executable_path=chromium.path(), args=chromium.ARGS)
+    with _seen() as (browser, stack, person, shown):
+        out.mkdir(parents=True, exist_ok=True)
         for size, (width, height) in SIZES.items():
             for look in LOOKS:
                 for name, page in _pages(browser, stack, person, shown, (width, height), look, only):
                     page.screenshot(path=out / f"{name}-{size}-{look}.png", full_page=page.locator(".viewer").count() == 0)
                     made += 1
-        browser.close()
     say(f"{made} pictures in {out}")
     return 0
+
+
+def guide() -> int:
+    GUIDE.mkdir(parents=True, exist_ok=True)
+    with _seen() as (browser, stack, person, shown):
+        for size, window in GUIDE_SIZES.items():
+            context = _context(browser, stack, person, window, "light")
+            page = context.new_page()
+            for name in viewer_walk.walk(page, f"{stack.settings.url}/view/{shown}", only=GUIDE_ON_A_PHONE if size == "phone" else None):
+                page.screenshot(path=GUIDE / f"{name}{'-phone' if size == 'phone' else ''}.jpg", type="jpeg", quality=82)
+            context.close()
+    say(f"Pictures in {GUIDE}")
+    return 0
+
+
+@contextmanager
+def _seen() -> Iterator[tuple]:
+    """A browser, a running service, a person there who has scans, the one that can be looked at."""
+    install.ensure("bench")
+    if not bench.in_venv():
+        raise SystemExit(bench.again_in_venv())
+    build.build_page()
+    build.build_programs()
+    from playwright.sync_api import sync_playwright
+
+    with running("cpu") as stack, tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        person = Person(stack)
+        shown = _scans(stack, person, Path(folder))
+        browser = playwright.chromium.launch(executable_path=chromium.path(), args=chromium.ARGS)
+        yield browser, stack, person, shown
+        browser.close()
 
 
 def _scans(stack: Stack, person: Person, folder: Path) -> str:
@@ -67,24 +93,31 @@ def _pages(browser, stack: Stack, person: Person, shown: str, size: tuple[int, i
     """(name, page that shows it), one after the other."""
     url = stack.settings.url
     for who in (page_walk.NOBODY, page_walk.PERSON):
-        phone = size[0] < 500
-        context = browser.new_context(viewport={"width": size[0], "height": size[1]}, color_scheme=look, reduced_motion="reduce",
-                                      is_mobile=phone, has_touch=phone, device_scale_factor=1)
-        if who == page_walk.PERSON:
-            context.add_cookies([{"name": c.name, "value": c.value, "url": url} for c in person.http.cookies.jar])
+        context = _context(browser, stack, person if who == page_walk.PERSON else None, size, look)
         page = context.new_page()
-        page.set_default_timeout(30_000)
         for place in page_walk.places(shown):
             if place.who != who or only not in place.name:
                 continue
             page_walk.go(page, url, place, shown)
-            if page.locator(".viewer canvas").count() > 0:
-                page.wait_for_selector("canvas[data-samples]")
-            page.wait_for_timeout(1500 if "view" in place.path else 400)    # pictures that come later
+            page.wait_for_timeout(400)    # pictures that come later
             yield place.name, page
             if place.path == "/add" and who == page_walk.PERSON:
                 yield from _found(page, stack)
+        if who == page_walk.PERSON:
+            steps = tuple(step.name for step in viewer_walk.STEPS if only in f"viewer-{step.name}")
+            for step in viewer_walk.walk(page, f"{url}/view/{shown}", samples=4, only=steps):
+                yield f"viewer-{step}", page
         context.close()
+
+
+def _context(browser, stack: Stack, person: Person | None, size: tuple[int, int], look: str):
+    phone = size[0] < 500
+    context = browser.new_context(viewport={"width": size[0], "height": size[1]}, color_scheme=look, reduced_motion="reduce",
+                                  is_mobile=phone, has_touch=phone, device_scale_factor=1)
+    context.set_default_timeout(30_000)
+    if person:
+        context.add_cookies([{"name": c.name, "value": c.value, "url": stack.settings.url} for c in person.http.cookies.jar])
+    return context
 
 
 def _found(page, stack: Stack) -> Iterator[tuple[str, object]]:
