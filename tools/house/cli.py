@@ -83,6 +83,8 @@ def _parser() -> argparse.ArgumentParser:
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the results there")
     bench.add_argument("--quick", action="store_true", help="fewer repetitions")
     bench.set_defaults(takes_rest=True)    # a measurement may have options of its own
+    bill = command("sbom", _sbom, "[FILE]: what Diaphane is made of, with versions, as CycloneDX JSON")
+    bill.add_argument("file", nargs="?", type=Path, metavar="FILE", help="where to write it (default: standard output)")
     pictures = command("screenshots", _screenshots, "FOLDER: a picture of every page at three sizes, light and dark, to be looked at")
     pictures.add_argument("folder", type=Path)
     pictures.add_argument("--only", default="", metavar="TEXT", help="only what has this in its name (person-scans, nobody-sign-in, viewer-light, ...)")
@@ -159,6 +161,12 @@ def _guide() -> int:
     from . import screenshots
 
     return screenshots.guide()
+
+
+def _sbom(options: argparse.Namespace, _: list[str]) -> int:
+    from . import sbom
+
+    return sbom.run(options.file)
 
 
 def _admin(options: argparse.Namespace, _: list[str]) -> int:
