@@ -297,12 +297,15 @@ def main() -> int:
     folder = options.folder or Path(tempfile.mkdtemp(prefix="diaphane-plane-"))
     folder.mkdir(exist_ok=True)
     run_as.own(folder)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: sys.exit(0))     # by way of what ends its programs
     began = time.monotonic()
     plane = Plane(folder, run_as, only=tuple(options.only.split(","))).start()
     try:
         plane.add_nodes(options.nodes)
         print(f"ready after {time.monotonic() - began:.1f} s\nexport KUBECONFIG={plane.kubeconfig}\nexport PATH={plane.bin}:$PATH", flush=True)
-        signal.sigwait({signal.SIGINT, signal.SIGTERM})
+        while True:
+            signal.pause()
     finally:
         plane.stop()
         if options.folder is None:
