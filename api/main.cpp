@@ -80,7 +80,7 @@ int run_migrate(ConfigReader& in) {
 
 struct Settings {
   std::string postgres, redis, public_url, upload_dir, volume_dir, cache_dir, mail, mail_from;
-  std::string sample_token;
+  std::string sample_token, admin_address;
   std::optional<SealingKey> factor_key;
   std::uint16_t api_port = 0, stream_port = 0, admin_port = 0;
   DataSets::Options data_sets;
@@ -92,7 +92,8 @@ Settings read_settings(ConfigReader& in) {
   s.redis = in.text("redis", "host:port");
   s.api_port = in.port("api-port", "REST, 127.0.0.1 only: the edge stands before it");
   s.stream_port = in.port("stream-port", "WebSocket gateway");
-  s.admin_port = in.port("admin-port", "/metrics, /healthz, /readyz on 127.0.0.1");
+  s.admin_port = in.port("admin-port", "/metrics, /healthz, /readyz");
+  s.admin_address = in.text("admin-address", "address of the admin port", "127.0.0.1");
   s.public_url = in.text("public-url", "origin as the browser sees it, https://host[:port]");
   s.upload_dir = in.directory("upload-dir", "where uploads arrive");
   s.volume_dir = in.directory("volume-dir", "the volume store");
@@ -154,7 +155,8 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   // Up first, so that a start that hangs can be looked at; ready only when both listeners are open.
   std::atomic<bool> serving = false;
   auto admin =
-      service::AdminServer::start({.port = settings.admin_port,
+      service::AdminServer::start({.address = settings.admin_address,
+                                   .port = settings.admin_port,
                                    .program = "api",
                                    .checks = {{"postgres", [&] { return database.reachable(); }},
                                               {"redis", [&] { return placed.reachable(); }},

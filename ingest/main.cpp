@@ -27,6 +27,7 @@ constexpr int kExitUnavailable = 69;  // sysexits.h: EX_UNAVAILABLE
 struct Options {
   std::string postgres;
   std::uint16_t admin_port = 0;
+  std::string admin_address;
   std::chrono::milliseconds lease{5000};
   ingest::SandboxBuilder::Options builder;
   ingest::Worker::Options worker;
@@ -38,7 +39,8 @@ std::optional<int> read_options(int argc, char** argv, Options& options) {
   options.worker.upload_dir = in.directory("upload-dir", "where uploads arrive, as <id>.tar");
   options.worker.volume_dir = in.directory("volume-dir", "the volume store");
   options.builder.scratch_dir = in.directory("scratch-dir", "for unnamed files while building");
-  options.admin_port = in.port("admin-port", "metrics and health, 127.0.0.1 only");
+  options.admin_port = in.port("admin-port", "metrics and health");
+  options.admin_address = in.text("admin-address", "address of the admin port", "127.0.0.1");
   options.builder.memory_limit_mb = static_cast<std::uint64_t>(
       in.integer("memory-limit-mb", "address space of a child, MiB", 64, 1 << 20, 6144));
   options.builder.time_limit_s = static_cast<std::uint32_t>(
@@ -62,6 +64,7 @@ int serve(const Options& options) {
   service::StopSignal stop;
   std::atomic<bool> postgres_there{false};
   service::AdminServer::Options admin_options;
+  admin_options.address = options.admin_address;
   admin_options.port = options.admin_port;
   admin_options.program = "ingestd";
   admin_options.checks = {

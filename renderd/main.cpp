@@ -40,6 +40,7 @@ struct Settings {
   std::uint16_t grpc_port = 0;
   std::string advertise;
   std::uint16_t admin_port = 0;
+  std::string admin_address;
   std::string volume_dir;
   EngineChoice engine = EngineChoice::kAuto;
   unsigned threads = 0;
@@ -115,7 +116,8 @@ Settings read_settings(ConfigReader& in) {
   settings.grpc_address = in.text("grpc-address", "address to listen on", "127.0.0.1");
   settings.grpc_port = in.port("grpc-port", "gRPC, for the gateway");
   settings.advertise = in.text("advertise", "host:port at which the gateway finds this worker");
-  settings.admin_port = in.port("admin-port", "metrics and health, on 127.0.0.1");
+  settings.admin_port = in.port("admin-port", "metrics and health");
+  settings.admin_address = in.text("admin-address", "address of the admin port", "127.0.0.1");
   settings.volume_dir = in.directory("volume-dir", "the volume store");
   const std::string engine =
       in.one_of("engine", "where to render", {"auto", "cpu", "cuda"}, "auto");
@@ -210,6 +212,7 @@ int run(int argc, char** argv) {
   std::atomic<Registry*> registry_now{nullptr};
   std::atomic<const Watchdog*> watchdog_now{nullptr};
   service::AdminServer::Options admin_options;
+  admin_options.address = settings.admin_address;
   admin_options.port = settings.admin_port;
   admin_options.program = "renderd";
   admin_options.checks = {{"redis",

@@ -126,7 +126,7 @@ class Plane:
         return self.folder / f"{name}.log"
 
     def log_tails(self) -> dict[str, str]:
-        return {name: logfiles.tail(self.log_path(name), 30) for name in ORDER if self.log_path(name).exists()}
+        return {name: logfiles.tail(self.log_path(name), 8) for name in ORDER if self.log_path(name).exists()}
 
     # Ways in
 

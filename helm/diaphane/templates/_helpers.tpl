@@ -1,0 +1,127 @@
+{{- define "diaphane.name" -}}
+{{- if contains .Chart.Name .Release.Name }}{{ .Release.Name | trunc 40 | trimSuffix "-" }}{{ else }}{{ printf "%s-%s" .Release.Name .Chart.Name | trunc 40 | trimSuffix "-" }}{{ end -}}
+{{- end -}}
+
+{{- define "diaphane.image" -}}
+{{- if .Values.image.digest }}{{ printf "%s@%s" .Values.image.repository .Values.image.digest }}{{ else }}{{ printf "%s:%s" .Values.image.repository (.Values.image.tag | default .Chart.AppVersion) }}{{ end -}}
+{{- end -}}
+
+{{/* Labels by which pods are chosen: never changed, and the only ones that pods have, so that another version of the chart alone replaces
+     nobody. Called with a list of the root and the component. */}}
+{{- define "diaphane.selector" -}}
+app.kubernetes.io/name: diaphane
+app.kubernetes.io/instance: {{ (index . 0).Release.Name }}
+app.kubernetes.io/component: {{ index . 1 }}
+{{- end -}}
+
+{{- define "diaphane.labels" -}}
+{{ include "diaphane.selector" . }}
+app.kubernetes.io/version: {{ (index . 0).Chart.AppVersion | quote }}
+app.kubernetes.io/part-of: diaphane
+app.kubernetes.io/managed-by: {{ (index . 0).Release.Service }}
+helm.sh/chart: {{ printf "%s-%s" (index . 0).Chart.Name (index . 0).Chart.Version }}
+{{- end -}}
+
+{{- define "diaphane.host" -}}
+{{ .Values.publicUrl | trimPrefix "https://" | trimPrefix "http://" }}
+{{- end -}}
+
+{{- define "diaphane.redis" -}}
+{{ if .Values.trial.enabled }}{{ include "diaphane.name" . }}-trial-redis:6379{{ else }}{{ required "redis.address (host:port) is missing; trial.enabled brings a small Redis along" .Values.redis.address }}{{ end -}}
+{{- end -}}
+
+{{- define "diaphane.redisPort" -}}
+{{ include "diaphane.redis" . | splitList ":" | last }}
+{{- end -}}
+
+{{- define "diaphane.secret" -}}
+{{ required "existingSecret is missing: the name of a secret with postgres, mail and factor-key (README.md)" .Values.existingSecret }}
+{{- end -}}
+
+{{- define "diaphane.claim" -}}
+{{- $of := index (index . 0).Values.storage (index . 1) -}}
+{{ $of.existingClaim | default (printf "%s-%s" (include "diaphane.name" (index . 0)) (index . 1)) }}
+{{- end -}}
+
+{{/* Pod Security "restricted", and a root that nobody writes to. */}}
+{{- define "diaphane.podSecurity" -}}
+runAsNonRoot: true
+runAsUser: 10001
+runAsGroup: 10001
+fsGroup: 10001
+fsGroupChangePolicy: OnRootMismatch
+seccompProfile: {type: RuntimeDefault}
+{{- end -}}
+
+{{- define "diaphane.containerSecurity" -}}
+allowPrivilegeEscalation: false
+readOnlyRootFilesystem: true
+capabilities: {drop: [ALL]}
+{{- end -}}
+
+{{/* What a pod of ours has beside containers and volumes: a list of the root, the values of the component. */}}
+{{- define "diaphane.pod" -}}
+{{- $root := index . 0 -}}{{- $part := index . 1 -}}
+automountServiceAccountToken: false
+enableServiceLinks: false
+securityContext:
+  {{- include "diaphane.podSecurity" $root | nindent 2 }}
+{{- with $root.Values.image.pullSecrets }}
+imagePullSecrets:
+  {{- range . }}
+  - name: {{ . }}
+  {{- end }}
+{{- end }}
+{{- with $root.Values.priorityClassName }}
+priorityClassName: {{ . }}
+{{- end }}
+{{- with $part.nodeSelector }}
+nodeSelector: {{ toJson . }}
+{{- end }}
+{{- with $part.tolerations }}
+tolerations: {{ toJson . }}
+{{- end }}
+{{- end -}}
+
+{{/* Spread over nodes, and over zones where there are any: a list of the root and the component. */}}
+{{- define "diaphane.spread" -}}
+{{- $on := . -}}
+topologySpreadConstraints:
+  {{- range list "kubernetes.io/hostname" "topology.kubernetes.io/zone" }}
+  - maxSkew: 1
+    topologyKey: {{ . }}
+    whenUnsatisfiable: ScheduleAnyway
+    labelSelector:
+      matchLabels:
+        {{- include "diaphane.selector" $on | nindent 8 }}
+  {{- end }}
+{{- end -}}
+
+{{/* Of the admin port: alive says nothing of what it depends on. */}}
+{{- define "diaphane.probes" -}}
+startupProbe:
+  httpGet: {path: /healthz, port: admin}
+  periodSeconds: 2
+  failureThreshold: 60
+livenessProbe:
+  httpGet: {path: /healthz, port: admin}
+  periodSeconds: 10
+  timeoutSeconds: 3
+  failureThreshold: 3
+readinessProbe:
+  httpGet: {path: /readyz, port: admin}
+  periodSeconds: 3
+  timeoutSeconds: 2
+  failureThreshold: 2
+{{- end -}}
+
+{{- define "diaphane.extraEnv" -}}
+{{- range $name, $value := . }}
+- name: {{ $name }}
+  value: {{ $value | quote }}
+{{- end }}
+{{- end -}}
+
+{{- define "diaphane.fromSecret" -}}
+valueFrom: {secretKeyRef: {name: {{ include "diaphane.secret" (index . 0) }}, key: {{ index . 1 }}}}
+{{- end -}}

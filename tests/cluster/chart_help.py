@@ -1,0 +1,62 @@
+"""The chart with the values of a test."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import yaml
+
+from house import paths
+
+CHART = paths.REPO / "helm" / "diaphane"
+SECRET = {"postgres": "postgresql://diaphane:x@postgres:5432/diaphane", "mail": "smtp://mail:25", "factor-key": "0" * 64, "postgres-password": "x"}
+BASE = {"publicUrl": "https://scans.example.org", "existingSecret": "diaphane", "redis": {"address": "redis.stores:6379"}}
+#: Each brings templates in, or takes them out, or fills in what is empty by itself.
+CHOICES = {
+    "base": {},
+    "trial": {"trial": {"enabled": True}, "redis": {"address": ""}},
+    "everything": {
+        "image": {"repository": "registry.example.org/x/diaphane", "digest": "sha256:" + "a" * 64, "pullSecrets": ["pull"]},
+        "api": {"replicas": 3, "extraEnv": {"DIAPHANE_SAMPLE_TOKEN": "/secrets/token"}, "nodeSelector": {"pool": "web"}, "tolerations": [{"operator": "Exists"}]},
+        "edge": {"trustedProxies": ["10.0.0.0/8"]},
+        "ingest": {"replicas": 2, "nodeSelector": {"pool": "ingest"}, "tolerations": [{"key": "ingest", "operator": "Exists"}]},
+        "operator": {"watchAllPods": True},
+        "fleet": {"replicas": 2, "maxReplicas": 8, "scaleToZeroAfter": "30m", "nodeSelector": {"gpu": "yes"}, "strategy": "Packed"},
+        "ingress": {"enabled": True, "className": "nginx", "annotations": {"a": "b"}, "tlsSecret": "tls"},
+        "networkPolicy": {"ingressFrom": [{"namespaceSelector": {"matchLabels": {"a": "b"}}}], "postgresTo": [{"ipBlock": {"cidr": "10.1.0.0/16"}}],
+                          "redisTo": [{"ipBlock": {"cidr": "10.1.0.0/16"}}], "mailTo": [{"ipBlock": {"cidr": "10.2.0.0/16"}}],
+                          "apiServerTo": [{"ipBlock": {"cidr": "10.3.0.0/16"}}], "monitoringFrom": [{"podSelector": {}}]},
+        "monitoring": {"podMonitor": {"enabled": True, "labels": {"x": "y"}}, "rules": {"enabled": True}, "dashboard": {"enabled": True}}},
+    "little": {"operator": {"enabled": False}, "fleet": {"enabled": False}, "networkPolicy": {"enabled": False}, "ingest": {"replicas": 0},
+               "podDisruptionBudgets": {"enabled": False}, "migrate": {"enabled": False}, "api": {"replicas": 1},
+               "storage": {"volumes": {"existingClaim": "a"}, "uploads": {"existingClaim": "b"}, "cache": {"existingClaim": "c"}}},
+}
+
+
+def merged(one: dict, other: dict) -> dict:
+    out = dict(one)
+    for key, value in other.items():
+        out[key] = merged(out[key], value) if isinstance(value, dict) and isinstance(out.get(key), dict) else value
+    return out
+
+
+def values_file(folder: Path, *parts: dict) -> str:
+    values: dict = {}
+    for part in (BASE, *parts):
+        values = merged(values, part)
+    path = folder / "values.json"
+    path.write_text(json.dumps(values), encoding="utf-8")
+    return str(path)
+
+
+def rendered(plane, folder: Path, *parts: dict, namespace: str = "default", hooks: bool = True) -> list[dict]:
+    said = plane.helm("template", "it", str(CHART), "-n", namespace, "-f", values_file(folder, *parts), "--include-crds=false",
+                      *([] if hooks else ["--no-hooks"]))
+    return [one for one in yaml.safe_load_all(said.out) if one]
+
+
+def pod_specs(objects: list[dict]) -> list[tuple[str, dict]]:
+    """Of everything that makes pods."""
+    return [(f"{one['kind']}/{one['metadata']['name']}", one["spec"]["template"]["spec"])
+            for one in objects if one["kind"] in ("Deployment", "StatefulSet", "Job", "RenderFleet")]

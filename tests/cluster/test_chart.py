@@ -1,0 +1,286 @@
+"""The chart: rendered for every choice of values, taken by the API server, installed, upgraded and rolled back."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import shutil
+import subprocess
+
+import pytest
+import yaml
+from chart_help import CHART, CHOICES, SECRET, pod_specs, rendered, values_file
+from conftest import wait_for
+
+from house import kubernetes
+
+
+@pytest.fixture(scope="session")
+def monitoring(plane):
+    """Prometheus' operator's own resources, as it ships them."""
+    for kind in ("podmonitors", "prometheusrules"):
+        plane.kubectl("apply", "--server-side", "-f", str(kubernetes.folder() / f"monitoring.coreos.com_{kind}.yaml"))
+    plane.kubectl("wait", "--for=condition=Established", "crd/podmonitors.monitoring.coreos.com", "crd/prometheusrules.monitoring.coreos.com")
+    return plane
+
+
+def test_lint_finds_nothing(plane, tmp_path):
+    said = plane.helm("lint", str(CHART), "--strict", "-f", values_file(tmp_path))
+    assert "1 chart(s) linted, 0 chart(s) failed" in said.text and "WARNING" not in said.text, said.text
+
+
+@pytest.mark.parametrize("values, words", [
+    ({"publicUrl": "scans.example.org"}, "publicUrl"),
+    ({"publicUrl": "https://scans.example.org/"}, "publicUrl"),
+    ({"existingSecret": ""}, "existingSecret"),
+    ({"redis": {"address": "redis"}}, "redis"),
+    ({"redis": {"address": ""}}, "redis.address (host:port) is missing"),
+    ({"trial": {"enabled": True}}, "one of them"),
+    ({"postgres": {"password": "x"}}, "postgres"),
+    ({"image": {"digest": "latest"}}, "digest"),
+    ({"api": {"replicas": 0}}, "replicas"),
+    ({"api": {"extraEnv": {"PATH": "x"}}}, "extraEnv"),
+    ({"fleet": {"strategy": "Random"}}, "strategy"),
+    ({"fleet": {"drainTimeout": 300}}, "drainTimeout"),
+    ({"fleet": {"minReplicas": 1, "scaleToZeroAfter": "5m"}}, "scaleToZeroAfter needs"),
+    ({"operator": {"enabled": False}}, "fleet.enabled needs operator.enabled"),
+    ({"networkPolicy": {"postgresTo": [{}]}}, "postgresTo"),
+    ({"publicUrl": "http://x", "ingress": {"enabled": True, "tlsSecret": "t"}}, "ingress.tlsSecret"),
+    ({"mailFrom": "a@b\nBcc: c@d"}, "mailFrom"),
+], ids=str)
+def test_values_that_make_no_sense_are_refused_and_named(plane, tmp_path, values, words):
+    said = plane.helm("template", "it", str(CHART), "-f", values_file(tmp_path, values), check=False)
+    assert said.code != 0 and words in said.text, said.text
+
+
+@pytest.mark.parametrize("choice", CHOICES)
+def test_the_api_server_takes_every_choice_in_a_restricted_namespace(monitoring, namespace, tmp_path, choice):
+    objects = rendered(monitoring, tmp_path, CHOICES[choice], namespace=namespace)
+    said = monitoring.kubectl("create", "-n", namespace, "--dry-run=server", "--validate=strict", "-f", "-", given=objects)
+    assert "would violate PodSecurity" not in said.text, said.text
+
+
+def test_every_switch_is_taken_with_every_other(monitoring, namespace, tmp_path):
+    """Each combination of what can be left out."""
+    switches = {
+        "trial": (CHOICES["trial"], {}), "policy": ({}, {"networkPolicy": {"enabled": False}}), "ingress": (CHOICES["everything"]["ingress"], {}),
+        "monitoring": ({"monitoring": CHOICES["everything"]["monitoring"]}, {}), "operator": ({}, {"operator": {"enabled": False}, "fleet": {"enabled": False}}),
+        "migrate": ({}, {"migrate": {"enabled": False}}), "budgets": ({}, {"podDisruptionBudgets": {"enabled": False}}),
+    }
+    switches["ingress"] = ({"ingress": CHOICES["everything"]["ingress"]}, {})
+    seen = set()
+    everything: dict[str, dict] = {}
+    for pick in itertools.product((0, 1), repeat=len(switches)):
+        parts = [pair[index] for pair, index in zip(switches.values(), pick)]
+        for one in rendered(monitoring, tmp_path, *parts, namespace=namespace):
+            text = json.dumps(one, sort_keys=True)
+            if text not in seen:     # of what all combinations make, each form once
+                seen.add(text)
+                everything[f"{len(everything)}"] = one
+    refused = []
+    for one in everything.values():
+        said = monitoring.kubectl("create", "-n", namespace, "--dry-run=server", "--validate=strict", "-f", "-", given=one, check=False)
+        if said.code != 0 or "would violate" in said.text:
+            refused.append(said.text)
+    assert not refused, "\n".join(refused)
+    assert len(everything) > 30
+
+
+@pytest.mark.parametrize("choice", CHOICES)
+def test_pods_are_as_they_should_be(plane, tmp_path, choice):
+    for name, spec in pod_specs(rendered(plane, tmp_path, CHOICES[choice])):
+        assert spec["securityContext"]["runAsNonRoot"] and spec["securityContext"]["runAsUser"] > 0, name
+        assert spec["securityContext"]["seccompProfile"]["type"] == "RuntimeDefault", name
+        assert spec["automountServiceAccountToken"] is name.endswith("-operator"), name
+        assert spec["enableServiceLinks"] is False, name
+        for one in spec["containers"]:
+            assert one["securityContext"] == {"allowPrivilegeEscalation": False, "readOnlyRootFilesystem": True, "capabilities": {"drop": ["ALL"]}}, name
+            assert one["resources"]["limits"]["memory"] and one["resources"]["requests"]["cpu"], name
+            for probe in ("livenessProbe", "startupProbe"):
+                assert one.get(probe, {}).get("httpGet", {"path": "/healthz"})["path"] == "/healthz", f"{name}: {probe} asks what it depends on"
+            inside = [env for env in one.get("env", []) if any(word in env.get("value", "") for word in ("://diaphane", "smtp:"))]
+            assert not inside, f"{name}: a secret by its value: {inside}"
+
+
+def test_with_a_digest_the_tag_decides_nothing(plane, tmp_path):
+    images = {one["image"] for _, spec in pod_specs(rendered(plane, tmp_path, CHOICES["everything"])) for one in spec["containers"]}
+    assert images == {"registry.example.org/x/diaphane@sha256:" + "a" * 64}
+
+
+def test_another_version_of_the_chart_alone_replaces_nobody(plane, tmp_path):
+    copy = tmp_path / "chart"
+    shutil.copytree(CHART, copy)
+    before = pod_specs_and_labels(rendered(plane, tmp_path, CHOICES["everything"]))
+    text = (copy / "Chart.yaml").read_text(encoding="utf-8")
+    (copy / "Chart.yaml").write_text(text.replace("version: 0.1.0", "version: 9.9.9").replace('"0.1.0"', '"9.9.9"'), encoding="utf-8")
+    said = plane.helm("template", "it", str(copy), "-f", values_file(tmp_path, CHOICES["everything"]))
+    objects = [one for one in yaml.safe_load_all(said.out) if one]
+    assert "9.9.9" in said.out and pod_specs_and_labels(objects) == before
+
+
+def pod_specs_and_labels(objects: list[dict]) -> list[tuple]:
+    return [(one["kind"], one["spec"]["template"]) for one in objects if one["kind"] in ("Deployment", "StatefulSet", "RenderFleet")]
+
+
+def test_what_is_not_used_is_not_there(plane, tmp_path):
+    kinds = sorted({one["kind"] for one in rendered(plane, tmp_path, CHOICES["little"])})
+    assert kinds == ["ConfigMap", "Deployment", "Job", "Service"]     # the job is helm's test
+    assert [one["metadata"]["name"] for one in rendered(plane, tmp_path, CHOICES["little"]) if one["kind"] == "Deployment"] == ["it-diaphane-api"]
+
+
+def test_nobody_talks_to_more_than_he_needs(plane, tmp_path):
+    policies = {one["metadata"]["name"].removeprefix("it-diaphane-"): one["spec"]
+                for one in rendered(plane, tmp_path, {"monitoring": {}}) if one["kind"] == "NetworkPolicy"}
+
+    def out(name):
+        return sorted(port["port"] for rule in policies[name]["egress"] for port in rule["ports"])
+
+    assert set(policies["nothing"]) == {"podSelector", "policyTypes"}
+    assert out("ingest") == [53, 53, 5432] and out("migrate") == [53, 53, 5432] and out("renderd") == [53, 53, 6379]
+    assert out("operator") == [53, 53, 443, 6379, 6443] and out("api") == [25, 53, 53, 465, 587, 5432, 6379, 8085]
+    grpc = [rule for rule in policies["renderd"]["ingress"] if rule["ports"] == [{"port": "grpc"}]]
+    assert grpc[0]["from"][0]["podSelector"]["matchLabels"]["app.kubernetes.io/component"] == "api"
+    pods = {spec_labels(one)["app.kubernetes.io/component"] for one in rendered(plane, tmp_path) if one["kind"] in ("Deployment", "Job", "RenderFleet")}
+    assert pods <= set(policies), "a pod that no policy is about"
+
+
+def spec_labels(one: dict) -> dict:
+    return one["spec"]["template"]["metadata"]["labels"]
+
+
+def test_the_edge_is_the_one_of_one_machine(plane, tmp_path):
+    """nginx takes it; every place is filled in; a proxy that is trusted says whose address it is."""
+    for choice in ("base", "everything"):
+        config = next(one for one in rendered(plane, tmp_path, CHOICES[choice]) if one["kind"] == "ConfigMap" and "nginx.conf" in one["data"])
+        text = config["data"]["nginx.conf"]
+        assert "@" not in "".join(line for line in text.splitlines() if "@" in line and line.split("@")[1].isupper())
+        assert ("set_real_ip_from 10.0.0.0/8;" in text) is (choice == "everything")
+        for inside, outside in (("/run/edge", tmp_path), ("/opt/diaphane/page", tmp_path), ("/data/cache", tmp_path), ("/dev/stdout", tmp_path / "log")):
+            text = text.replace(inside, str(outside))
+        (tmp_path / "nginx.conf").write_text(text, encoding="utf-8")
+        done = subprocess.run(["/usr/sbin/nginx", "-t", "-e", "stderr", "-p", str(tmp_path), "-c", str(tmp_path / "nginx.conf")], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+
+
+def test_promtool_takes_the_rules_and_they_fire(plane, tmp_path):
+    rules = CHART / "files" / "rules.yaml"
+    checked = subprocess.run([str(plane.bin / "promtool"), "check", "rules", str(rules)], capture_output=True, text=True)
+    assert checked.returncode == 0, checked.stdout + checked.stderr
+    cases = yaml.safe_load((CHART.parents[1] / "tests" / "cluster" / "rules_test.yaml").read_text(encoding="utf-8"))
+    fired = {rule["alertname"] for case in cases["tests"] for rule in case["alert_rule_test"] if rule.get("exp_alerts")}
+    assert fired == {rule["alert"] for group in yaml.safe_load(rules.read_text(encoding="utf-8"))["groups"] for rule in group["rules"]}
+    cases["rule_files"] = [str(rules)]
+    (tmp_path / "cases.yaml").write_text(yaml.safe_dump(cases), encoding="utf-8")
+    done = subprocess.run([str(plane.bin / "promtool"), "test", "rules", str(tmp_path / "cases.yaml")], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+# Installed
+
+def stored(namespace: str, name: str) -> list[dict]:
+    """A volume for a claim, as a storage class would make it: here nobody does."""
+    return [{"apiVersion": "v1", "kind": "PersistentVolume", "metadata": {"name": f"{namespace}-{name}"}, "spec": {
+        "capacity": {"storage": "1Ti"}, "accessModes": ["ReadWriteMany", "ReadWriteOnce"], "hostPath": {"path": "/nowhere"}, "storageClassName": "",
+        "claimRef": {"namespace": namespace, "name": name}}}]
+
+
+@pytest.fixture
+def installed(plane, namespace, tmp_path):
+    """A release `it`, installed by helm with everything ready; `images` of a kwok node run nothing."""
+    plane.kubectl("create", "-n", namespace, "-f", "-", given={"apiVersion": "v1", "kind": "Secret", "metadata": {"name": "diaphane"}, "stringData": SECRET})
+    for name in ("volumes", "uploads", "cache"):
+        plane.apply(*stored(namespace, f"it-diaphane-{name}"))
+    plane.helm("install", "it", str(CHART), "-n", namespace, "-f", values_file(tmp_path), "--wait", "--timeout", "180s")
+    yield namespace
+    plane.helm("uninstall", "it", "-n", namespace, "--wait", "--timeout", "120s", check=False)
+
+
+def ready(plane, namespace: str) -> dict[str, int]:
+    items = plane.kubectl("get", "deploy", "-n", namespace, "-o", "json").json["items"]
+    return {one["metadata"]["name"]: one["status"].get("readyReplicas", 0) for one in items}
+
+
+def test_installed_upgraded_rolled_back_and_taken_away(plane, installed, tmp_path):
+    assert ready(plane, installed) == {"it-diaphane-api": 2, "it-diaphane-ingest": 1, "it-diaphane-operator": 2}
+    fleet = plane.kubectl("get", "rf/it-diaphane", "-n", installed, "-o", "json").json
+    assert fleet["spec"]["warm"]["minIdleSlots"] == 4 and fleet["spec"]["sessionsPerWorker"] == 16
+    plane.helm("test", "it", "-n", installed, "--timeout", "120s")
+
+    # What the operator wrote, and a hand's scaling, are not the chart's: an upgrade leaves them.
+    url = f"/apis/diaphane.dev/v1alpha1/namespaces/{installed}/renderfleets/it-diaphane"
+    plane.api.patch(f"{url}/status", json={"status": {"replicas": 3}}, headers={"Content-Type": "application/merge-patch+json"}).raise_for_status()
+    plane.kubectl("scale", "rf/it-diaphane", "-n", installed, "--replicas=5")
+    plane.helm("upgrade", "it", str(CHART), "-n", installed, "-f", values_file(tmp_path, {"api": {"replicas": 3}, "fleet": {"sessionsPerWorker": 8}}),
+               "--wait", "--timeout", "180s")
+    assert ready(plane, installed)["it-diaphane-api"] == 3
+    seen = plane.api.get(url).json()
+    assert seen["spec"]["sessionsPerWorker"] == 8 and seen["spec"]["replicas"] == 5 and seen["status"]["replicas"] == 3 and seen["metadata"]["uid"] == fleet["metadata"]["uid"]
+
+    plane.helm("rollback", "it", "1", "-n", installed, "--wait", "--timeout", "180s")
+    wait_for(lambda: ready(plane, installed)["it-diaphane-api"] == 2, "two api again")
+    assert plane.api.get(url).json()["spec"]["sessionsPerWorker"] == 16
+
+    plane.helm("uninstall", "it", "-n", installed, "--wait", "--timeout", "120s")
+    assert plane.kubectl("get", "deploy,rf,cm,svc,role,netpol,pdb", "-n", installed, "-o", "name").out.split() == ["configmap/kube-root-ca.crt"]
+    claims = plane.kubectl("get", "pvc", "-n", installed, "-o", "name").out.split()
+    assert len(claims) == 3, "people's scans went with the release"
+
+
+def test_pods_are_spread_and_not_all_evicted(plane, installed):
+    pods = plane.kubectl("get", "pods", "-n", installed, "-l", "app.kubernetes.io/component=api", "-o", "json").json["items"]
+    assert len({one["spec"]["nodeName"] for one in pods}) == 2
+    budget = f"/apis/policy/v1/namespaces/{installed}/poddisruptionbudgets/it-diaphane-api"
+    wait_for(lambda: plane.api.get(budget).json()["status"]["disruptionsAllowed"] == 1, "the budget's count")
+
+    def evict(name):
+        return plane.api.post(f"/api/v1/namespaces/{installed}/pods/{name}/eviction", json={
+            "apiVersion": "policy/v1", "kind": "Eviction", "metadata": {"name": name, "namespace": installed}}).status_code
+
+    assert [evict(one["metadata"]["name"]) for one in pods] == [201, 429]
+
+
+def test_a_worker_that_works_is_not_evicted(plane, installed):
+    """`kubectl drain` cordons and then waits for the operator."""
+    labels = {"app.kubernetes.io/name": "diaphane", "app.kubernetes.io/instance": "it", "app.kubernetes.io/component": "renderd"}
+    spec = plane.kubectl("get", "rf/it-diaphane", "-n", installed, "-o", "json").json["spec"]["template"]["spec"]
+    plane.kubectl("create", "-n", installed, "-f", "-", given={"apiVersion": "v1", "kind": "Pod", "metadata": {"name": "it-diaphane-0", "labels": labels},
+                                                              "spec": spec})
+    plane.kubectl("wait", "-n", installed, "pod/it-diaphane-0", "--for=condition=Ready", "--timeout=60s")
+    wait_for(lambda: plane.kubectl("get", "pdb/it-diaphane-renderd", "-n", installed, "-o", "jsonpath={.status.currentHealthy}").out == "1", "the budget's count")
+    answer = plane.api.post(f"/api/v1/namespaces/{installed}/pods/it-diaphane-0/eviction", json={
+        "apiVersion": "policy/v1", "kind": "Eviction", "metadata": {"name": "it-diaphane-0", "namespace": installed}})
+    assert answer.status_code == 429, answer.text
+
+
+MAY = [("list", "pods"), ("create", "pods"), ("delete", "pods"), ("watch", "renderworkers"), ("create", "renderworkers"), ("patch", "renderfleets"),
+       ("patch", "renderfleets/status"), ("patch", "renderworkers/status"), ("create", "leases"), ("create", "events")]
+MAY_NOT = [("create", "renderfleets"), ("delete", "renderfleets"), ("get", "secrets"), ("list", "secrets"), ("get", "configmaps"), ("create", "pods/exec"),
+           ("get", "pods/log"), ("update", "pods"), ("create", "deployments.apps"), ("delete", "persistentvolumeclaims"), ("impersonate", "users"),
+           ("create", "serviceaccounts/token"), ("create", "roles.rbac.authorization.k8s.io"), ("delete", "leases")]
+
+
+def test_the_operator_may_what_it_needs_and_nothing_else(plane, installed):
+    token = plane.service_account_token(installed, "it-diaphane-operator")
+    who = plane.client(token=token)
+
+    def may(verb, what, namespace):
+        resource, _, group = what.partition(".")
+        resource, _, sub = resource.partition("/")
+        group = group or {"renderworkers": "diaphane.dev", "renderfleets": "diaphane.dev", "leases": "coordination.k8s.io"}.get(resource, "")
+        asked = {"verb": verb, "resource": resource, "subresource": sub, "group": group, **({"namespace": namespace} if namespace else {})}
+        answer = who.post("/apis/authorization.k8s.io/v1/selfsubjectaccessreviews", json={
+            "apiVersion": "authorization.k8s.io/v1", "kind": "SelfSubjectAccessReview", "spec": {"resourceAttributes": asked}})
+        return answer.json()["status"]["allowed"]
+
+    assert [pair for pair in MAY if not may(*pair, installed)] == []
+    assert [pair for pair in MAY_NOT if may(*pair, installed)] == []
+    assert may("list", "nodes", "") and may("watch", "nodes", "")
+    assert not any(may(verb, "nodes", "") for verb in ("patch", "update", "delete", "create"))
+    assert [pair for pair in MAY if may(*pair, "default") or may(*pair, "")] == [], "beyond its own namespace"
+    # Not only said: tried.
+    assert who.get(f"/api/v1/namespaces/{installed}/secrets/diaphane").status_code == 403
+    assert who.get("/api/v1/namespaces/kube-system/pods").status_code == 403
+    assert who.get("/api/v1/nodes").status_code == 200
+    lease = f"/apis/coordination.k8s.io/v1/namespaces/{installed}/leases"
+    assert who.post(lease, json={"metadata": {"name": "it-diaphane-operator"}, "spec": {"holderIdentity": "x"}}).status_code == 201
+    assert who.get(f"{lease}/it-diaphane-operator").status_code == 200 and who.get(f"{lease}/another").status_code == 403

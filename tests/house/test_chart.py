@@ -1,0 +1,72 @@
+"""What of the chart can be told without helm: it asks the programs for what they have, and says all of its values."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import jsonschema
+import yaml
+
+REPO = Path(__file__).resolve().parents[2]
+CHART = REPO / "helm" / "diaphane"
+
+
+def _sources() -> str:
+    folders = ("api", "common", "ingest", "renderd", "operator")
+    return "\n".join(file.read_text(encoding="utf-8") for folder in folders for file in (REPO / folder).rglob("*.cpp"))
+
+
+def test_rules_and_dashboard_ask_for_metrics_that_there_are():
+    there = set(re.findall(r'"(diaphane_[a-z0-9_]+)"', _sources()))
+    asked = set(re.findall(r"\bdiaphane_[a-z0-9_]+", (CHART / "files" / "rules.yaml").read_text(encoding="utf-8")))
+    asked |= set(re.findall(r"\bdiaphane_[a-z0-9_]+", (CHART / "files" / "dashboard.json").read_text(encoding="utf-8")))
+    assert len(asked) > 20
+    assert {name for name in asked if name not in there and re.sub("_(bucket|sum|count)$", "", name) not in there} == set()
+
+
+def test_templates_set_only_settings_that_programs_read():
+    programs = {"api.yaml": ("api/main.cpp",), "migrate.yaml": ("api/main.cpp",), "ingest.yaml": ("ingest/main.cpp",), "fleet.yaml": ("renderd/main.cpp",)}
+    for template, files in programs.items():
+        text = "".join((REPO / file).read_text(encoding="utf-8") for file in files)
+        read = {name.upper().replace("-", "_") for name in re.findall(r'in\.\w+\(\s*"([a-z-]+)"', text)}
+        given = set(re.findall(r"name: DIAPHANE_([A-Z_]+)", (CHART / "templates" / template).read_text(encoding="utf-8")))
+        assert given and given <= read, f"{template}: {given - read}"
+
+
+def test_api_is_given_everything_it_cannot_do_without():
+    text = (REPO / "api" / "main.cpp").read_text(encoding="utf-8").partition("Settings read_settings")[2].partition("\n}\n")[0]
+    needed = {name.upper().replace("-", "_") for name in re.findall(r'in\.(?:text|port|directory)\("([a-z-]+)",\s*"[^"]*"\)', text)}
+    assert "FACTOR_KEY" in needed
+    assert needed <= set(re.findall(r"name: DIAPHANE_([A-Z_]+)", (CHART / "templates" / "api.yaml").read_text(encoding="utf-8")))
+
+
+def test_the_schema_says_each_value_and_no_other():
+    schema = json.loads((CHART / "values.schema.json").read_text(encoding="utf-8"))
+    values = yaml.safe_load((CHART / "values.yaml").read_text(encoding="utf-8"))
+    jsonschema.validate({**values, "publicUrl": "https://a.example", "existingSecret": "x"}, schema)
+    missing = []
+
+    def walk(schema, value, path):
+        for name, inner in schema.get("properties", {}).items():
+            if isinstance(inner.get("properties"), dict) and inner.get("additionalProperties") is False and path.count(".") < 3 and name not in ("requests",):
+                if name not in (value or {}):
+                    missing.append(f"{path}.{name}")
+                else:
+                    walk(inner, value[name], f"{path}.{name}")
+            elif name not in (value or {}) and name != "global":
+                missing.append(f"{path}.{name}")
+
+    walk(schema, values, "")
+    assert missing == []
+
+
+def test_the_fleet_of_the_chart_has_what_the_resource_knows():
+    crd = yaml.safe_load((CHART / "crds" / "renderfleets.yaml").read_text(encoding="utf-8"))
+    spec = crd["spec"]["versions"][0]["schema"]["openAPIV3Schema"]["properties"]["spec"]["properties"]
+    text = (CHART / "templates" / "fleet.yaml").read_text(encoding="utf-8").partition("\nspec:\n")[2]
+    assert set(re.findall(r"^  ([a-zA-Z]+):", text, re.MULTILINE)) == set(spec)
+    values = yaml.safe_load((CHART / "values.yaml").read_text(encoding="utf-8"))["fleet"]
+    for name in ("sessionsPerWorker", "strategy", "minReplicas", "drainTimeout"):
+        jsonschema.validate(values[name], {key: value for key, value in spec[name].items() if not key.startswith("x-")})
