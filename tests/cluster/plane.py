@@ -243,7 +243,7 @@ class Plane:
                 config, *asks, *serving, "--leader-elect=false", "--use-service-account-credentials", f"--root-ca-file={self.folder / 'ca.crt'}",
                 f"--service-account-private-key-file={accounts}", f"--cert-dir={self.folder / 'certificates'}"],
             "kube-scheduler": [config, *asks, *serving, "--leader-elect=false", f"--cert-dir={self.folder / 'certificates'}"],
-            "kwok": [config, "--manage-all-nodes=false", "--manage-nodes-with-annotation-selector=kwok.x-k8s.io/node=fake",
+            "kwok": [config, f"--config={self.bin / 'kwok.yaml'}", "--manage-all-nodes=false", "--manage-nodes-with-annotation-selector=kwok.x-k8s.io/node=fake",
                      "--node-lease-duration-seconds=40", f"--node-port={self.ports['kwok']}", "--node-ip=127.0.0.1"],
         }[name]
 

@@ -12,14 +12,13 @@ import yaml
 from chart_help import CHART, CHOICES, SECRET, pod_specs, rendered, values_file
 from conftest import wait_for
 
-from house import kubernetes
 
 
 @pytest.fixture(scope="session")
 def monitoring(plane):
     """Prometheus' operator's own resources, as it ships them."""
     for kind in ("podmonitors", "prometheusrules"):
-        plane.kubectl("apply", "--server-side", "-f", str(kubernetes.folder() / f"monitoring.coreos.com_{kind}.yaml"))
+        plane.kubectl("apply", "--server-side", "-f", str(plane.bin / f"{kind}.yaml"))
     plane.kubectl("wait", "--for=condition=Established", "crd/podmonitors.monitoring.coreos.com", "crd/prometheusrules.monitoring.coreos.com")
     return plane
 

@@ -27,7 +27,15 @@ _KUBERNETES = ("kube-apiserver", "kube-controller-manager", "kube-scheduler", "k
 PROGRAMS = ("etcd", *_KUBERNETES, "kwok", "helm", "promtool")
 #: Prometheus' operator: not built, its resources only, to which the chart's monitoring is held.
 _MONITORING = "github.com/prometheus-operator/prometheus-operator@v0.83.0"
-_RESOURCES = ("monitoring.coreos.com_podmonitors.yaml", "monitoring.coreos.com_prometheusrules.yaml")
+#: What kwok does with nodes and pods, as it ships it; the program by itself does nothing.
+_STAGES = ("node/fast/node-initialize", "node/heartbeat-with-lease/node-heartbeat-with-lease", "pod/fast/pod-ready", "pod/fast/pod-complete",
+           "pod/fast/pod-delete")
+#: Taken out of modules as they are: module, files.
+_FILES = {
+    "kwok.yaml": (KWOK, [f"kustomize/stage/{name}.yaml" for name in _STAGES]),
+    "podmonitors.yaml": (_MONITORING, ["example/prometheus-operator-crd/monitoring.coreos.com_podmonitors.yaml"]),
+    "prometheusrules.yaml": (_MONITORING, ["example/prometheus-operator-crd/monitoring.coreos.com_prometheusrules.yaml"]),
+}
 
 
 def version() -> str:
@@ -43,12 +51,12 @@ def folder() -> Path:
     key = hashlib.sha256()
     for part in (MODULE / "go.mod", MODULE / "go.sum", MODULE / "etcd" / "main.go"):
         key.update(part.read_bytes())
-    key.update(f"{KWOK} {HELM} {_MONITORING}".encode())
+    key.update(f"{KWOK} {HELM} {_MONITORING} {_STAGES}".encode())
     return paths.REPO / ".tools" / "cluster" / key.hexdigest()[:16]
 
 
 def missing() -> list[str]:
-    return [name for name in (*PROGRAMS, *_RESOURCES) if not (folder() / name).exists()]
+    return [name for name in (*PROGRAMS, *_FILES) if not (folder() / name).exists()]
 
 
 def ensure() -> Path:
@@ -65,8 +73,8 @@ def ensure() -> Path:
 def _build(name: str) -> None:
     if name == "promtool":
         return _promtool()
-    if name in _RESOURCES:
-        return _resource(name)
+    if name in _FILES:
+        return _take(name)
     with tempfile.TemporaryDirectory(dir=folder(), prefix=".new-") as beside:
         if name in ("kwok", "helm"):
             _go(["install", "-ldflags", "-s -w", KWOK if name == "kwok" else HELM], paths.REPO / "tools", GOBIN=beside)
@@ -114,10 +122,11 @@ def _go_version(program: Path) -> tuple[int, ...]:
     return tuple(map(int, found.groups())) if found else (0,)
 
 
-def _resource(name: str) -> None:
-    told = json.loads(_go(["mod", "download", "-json", _MONITORING], paths.REPO / "tools"))
-    source = Path(told["Dir"]) / "example" / "prometheus-operator-crd" / name
-    (folder() / f".new-{name}").write_bytes(source.read_bytes())
+def _take(name: str) -> None:
+    package, files = _FILES[name]
+    module = package.replace("/cmd/kwok", "")
+    source = Path(json.loads(_go(["mod", "download", "-json", module], paths.REPO / "tools"))["Dir"])
+    (folder() / f".new-{name}").write_text("\n---\n".join((source / file).read_text(encoding="utf-8") for file in files), encoding="utf-8")
     os.replace(folder() / f".new-{name}", folder() / name)
 
 
@@ -136,7 +145,7 @@ def _promtool() -> None:
 def reachable(run_as: RunAs) -> Path:
     """The programs, or a copy of them where that user cannot reach the checkout."""
     here = folder()
-    built = [name for name in PROGRAMS if (here / name).exists()]
+    built = [name for name in (*PROGRAMS, *_FILES) if (here / name).exists()]
     if run_as.can_read(*(here / name for name in built)):
         return here
     copy = Path("/var/cache/diaphane") / "cluster" / here.name
