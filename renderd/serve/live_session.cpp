@@ -113,7 +113,7 @@ void LiveSession::receive(std::uint64_t connection, const std::string& bytes) {
   if (const auto own = branches_.find(connection); own != branches_.end()) {
     // What concerns the pictures is said to the session that he looks at.
     if (message.has_scene() || message.has_ack() || message.has_need_key() ||
-        message.has_visibility()) {
+        message.has_visibility() || message.has_depth_query()) {
       const OwnCamera camera = own->second;
       lock.unlock();
       return camera.session->receive(camera.connection, bytes);
@@ -122,6 +122,30 @@ void LiveSession::receive(std::uint64_t connection, const std::string& bytes) {
   const Outcome outcome = render::receive(state_, connection, message, parts_.clock.now());
   carry_out(outcome, connection, lock);
   if (outcome.own_camera) change_camera(connection, *outcome.own_camera);
+  if (outcome.depth) answer(*outcome.depth, connection);
+}
+
+// A ray through a scene takes milliseconds: nobody waits for it.
+void LiveSession::answer(const v1::DepthQuery& query, std::uint64_t connection) {
+  std::unique_lock lock(mutex_);
+  if (!volume_) return;
+  const std::shared_ptr<const v1::Scene> scene = state_.shown.scene;
+  const Canvas canvas = state_.shown.viewport;
+  const auto coarse = parts_.facts.of(*volume_).coarse;
+  lock.unlock();
+  v1::ServerMessage message;
+  v1::Depth& depth = *message.mutable_depth();
+  depth.set_id(query.id());
+  if (const auto seen =
+          scene && coarse ? seen_at(*coarse, *scene, canvas, query.x(), query.y()) : std::nullopt) {
+    depth.set_found(true);
+    depth.set_distance(seen->distance);
+    depth.mutable_place()->set_x(seen->place.x);
+    depth.mutable_place()->set_y(seen->place.y);
+    depth.mutable_place()->set_z(seen->place.z);
+  }
+  lock.lock();
+  send(connection, message);
 }
 
 void LiveSession::closed(std::uint64_t connection) {
@@ -289,7 +313,7 @@ void LiveSession::send_config(std::uint64_t connection) {
   config.set_engine(engine.engine);
   config.set_device(engine.device);
   *config.mutable_volume() = to_proto(volume_->header());
-  if (auto histogram = parts_.histograms.of(*volume_); histogram.counts_size() > 0) {
+  if (auto histogram = parts_.facts.of(*volume_).histogram; histogram.counts_size() > 0) {
     *config.mutable_histogram() = std::move(histogram);
   }
   if (state_.wanted.scene) *config.mutable_scene() = *state_.wanted.scene;

@@ -16,8 +16,8 @@
 #include "renderd/schedule/runner.h"
 #include "renderd/serve/metrics.h"
 #include "renderd/serve/spent_time.h"
-#include "renderd/session/histogram.h"
 #include "renderd/session/pictures.h"
+#include "renderd/session/volume_facts.h"
 
 namespace diaphane::render {
 
@@ -53,7 +53,7 @@ struct SessionParts {
       branch;
   bool mark_frames = false;  ///< for a bench: input_seq in the pixels (encode/frame_mark.h)
   SpentTime& spent;
-  const Histograms& histograms;
+  const KeptFacts& facts;
 };
 
 /// One session: joins the pure state machine to the runner, the encoders and the connections of all
@@ -165,6 +165,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
 
   // Without it.
   void change_camera(std::uint64_t connection, bool own);
+  void answer(const diaphane::v1::DepthQuery& query, std::uint64_t connection);
   void carry_out(const Outcome& outcome, std::uint64_t connection,
                  std::unique_lock<std::mutex>& lock);
   Lanes lanes() const;

@@ -149,5 +149,30 @@ TEST_F(LiveStream, NewInputEndsTheTilesAndItsOwnEndFollows) {
   EXPECT_EQ(tiles, 9U);
 }
 
+TEST_F(LiveStream, TellsHowFarAwayThatIsWhichIsSeenAtAPlace) {
+  greet(v1::JPEG, 64, v1::STILL_FORMAT_UNSPECIFIED);
+  until([](const auto& message) { return message.has_frame(); });
+  v1::ClientMessage query;
+  query.mutable_depth_query()->set_id(5);
+  query.mutable_depth_query()->set_x(0.5);
+  query.mutable_depth_query()->set_y(0.5);
+  say(query);
+  const v1::Depth ball =
+      until([](const auto& message) { return message.has_depth(); }).back().depth();
+  EXPECT_EQ(ball.id(), 5U);
+  ASSERT_TRUE(ball.found());
+  // Of 24 voxels of 4 mm, 0.35 of them the radius.
+  const auto& place = ball.place();
+  EXPECT_NEAR(std::hypot(place.x(), place.y(), place.z()), 0.35 * 96, 6);
+  const auto& eye = config.scene().camera().eye();
+  EXPECT_NEAR(ball.distance(), std::hypot(eye.x(), eye.y(), eye.z()) - 0.35 * 96, 6);
+  std::this_thread::sleep_for(kDepthEvery);
+  query.mutable_depth_query()->set_x(0);
+  query.mutable_depth_query()->set_y(0);
+  say(query);
+  EXPECT_FALSE(
+      until([](const auto& message) { return message.has_depth(); }).back().depth().found());
+}
+
 }  // namespace
 }  // namespace diaphane::render

@@ -11,13 +11,13 @@ namespace diaphane::render {
 namespace {
 
 // `id` has been checked to be an id, so it cannot lead out of the store.
-Result<VolumeCache::Handle> load_volume(Engine& engine, Histograms& histograms,
-                                        const std::string& store, const std::string& id) {
+Result<VolumeCache::Handle> load_volume(Engine& engine, KeptFacts& facts, const std::string& store,
+                                        const std::string& id) {
   const auto start = std::chrono::steady_clock::now();
   const auto volume = volume::read(store + "/" + id, false);
   if (!volume) return tl::unexpected(volume.error());
   auto loaded = engine.load(*volume);
-  if (loaded) histograms.add(*loaded, histogram_of(*volume));
+  if (loaded) facts.add(*loaded, facts_of(*volume));
   const auto seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   log::info("volume_loaded", {{"volume", id}, {"ok", loaded.has_value()}, {"seconds", seconds}});
@@ -51,12 +51,12 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
       encoders_(std::make_unique<EncodePool>(options.encoder_threads)),
       volumes_(std::make_unique<VolumeCache>(
           [this, store = options.volume_dir](const std::string& id) {
-            return load_volume(*engine_, histograms_, store, id);
+            return load_volume(*engine_, facts_, store, id);
           },
           options.volume_bytes, 1,
           [store = options.volume_dir](const std::string& id) { return stored_hash(store, id); })),
       host_(std::make_unique<SessionHost>(options.host, *engine_, *runner_, *encoders_, *volumes_,
-                                          histograms_, metrics, clock)),
+                                          facts_, metrics, clock)),
       stills_(std::make_unique<StillService>(*engine_, *runner_, *encoders_, *volumes_, metrics,
                                              clock)),
       assists_(std::make_unique<AssistHost>(AssistHost::Options{options.host.slots}, *engine_,

@@ -46,7 +46,7 @@ class RenderWorker {
 
   // Each may call into those before it; the destructor says in which order they end.
   std::unique_ptr<Engine> engine_;
-  Histograms histograms_;
+  KeptFacts facts_;
   std::unique_ptr<Runner> runner_;
   std::unique_ptr<EncodePool> encoders_;
   std::unique_ptr<VolumeCache> volumes_;

@@ -50,14 +50,14 @@ Result<Arrival> arrival_of(const v1::Open& open) {
 }  // namespace
 
 SessionHost::SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
-                         VolumeCache& volumes, const Histograms& histograms, Metrics& metrics,
+                         VolumeCache& volumes, const KeptFacts& facts, Metrics& metrics,
                          const Clock& clock)
     : options_(options),
       engine_(engine),
       runner_(runner),
       encoders_(encoders),
       volumes_(volumes),
-      histograms_(histograms),
+      facts_(facts),
       metrics_(metrics),
       clock_(clock) {}
 
@@ -123,7 +123,7 @@ SessionParts SessionHost::parts() {
           [this](const LiveSession& group, const Branch& wanted) { return branch(group, wanted); },
           options_.mark_frames,
           spent_,
-          histograms_};
+          facts_};
 }
 
 // Its id is nobody's but this worker's: no ticket leads to it. The heartbeat counts its slot.

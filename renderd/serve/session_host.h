@@ -45,8 +45,7 @@ class SessionHost {
   };
 
   SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
-              VolumeCache& volumes, const Histograms& histograms, Metrics& metrics,
-              const Clock& clock);
+              VolumeCache& volumes, const KeptFacts& facts, Metrics& metrics, const Clock& clock);
   ~SessionHost();
 
   /// Opens a session or joins one that is here. kTooMany: no slot is free, or as many viewers as
@@ -95,7 +94,7 @@ class SessionHost {
   Runner& runner_;
   EncodePool& encoders_;
   VolumeCache& volumes_;
-  const Histograms& histograms_;
+  const KeptFacts& facts_;
   Metrics& metrics_;
   const Clock& clock_;
 

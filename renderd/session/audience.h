@@ -34,6 +34,8 @@ inline constexpr std::chrono::seconds kPresenterAway{5};
 /// A stream whose frames build on each other: key frames asked for by those who missed something
 /// come at most so often, because each costs as much as many others.
 inline constexpr std::chrono::milliseconds kKeyEvery{500};
+/// How far away something is may be asked so often: an answer takes milliseconds of a core.
+inline constexpr std::chrono::milliseconds kDepthEvery{50};
 inline constexpr std::size_t kMostReceivers = 64;
 inline constexpr std::size_t kLongestName = 40;  ///< characters
 
@@ -51,6 +53,8 @@ struct Receiver {
   Canvas viewport{};               ///< that it has told; 0 x 0: none yet
   std::uint64_t newest_input = 0;  ///< of this connection
   TimePoint heard_at{};  ///< attached, last acknowledgement, or frame sent with none outstanding
+
+  std::optional<TimePoint> depth_asked;  ///< last
 
   FlightWindow flight;
   LinkEstimate path;  ///< what its connection carries

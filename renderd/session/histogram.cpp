@@ -1,7 +1,6 @@
 #include "renderd/session/histogram.h"
 
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 namespace diaphane::render {
@@ -30,19 +29,6 @@ diaphane::v1::Histogram histogram_of(const volume::Volume& volume) {
   histogram.set_width(width);
   histogram.mutable_counts()->Assign(counts.begin(), counts.end());
   return histogram;
-}
-
-void Histograms::add(const std::shared_ptr<const DeviceVolume>& volume,
-                     diaphane::v1::Histogram histogram) {
-  const std::scoped_lock lock(mutex_);
-  std::erase_if(entries_, [](const auto& entry) { return entry.second.volume.expired(); });
-  entries_[volume.get()] = {volume, std::move(histogram)};
-}
-
-diaphane::v1::Histogram Histograms::of(const DeviceVolume& volume) const {
-  const std::scoped_lock lock(mutex_);
-  const auto found = entries_.find(&volume);
-  return found == entries_.end() ? diaphane::v1::Histogram() : found->second.histogram;
 }
 
 }  // namespace diaphane::render

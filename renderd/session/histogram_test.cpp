@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -58,30 +57,6 @@ TEST(Histogram, ALargeVolumeIsLookedAtInPartAndInProportion) {
   EXPECT_GE(looked, 3'000'000U);
   const double fair = static_cast<double>(looked) / 256;
   for (const std::uint32_t n : counts) EXPECT_NEAR(n, fair, fair * 0.01);
-}
-
-class NoVolume final : public DeviceVolume {
- public:
-  const volume::Header& header() const override { return header_; }
-  std::uint64_t device_bytes() const override { return 0; }
-
- private:
-  volume::Header header_;
-};
-
-TEST(Histogram, IsKeptForAVolumeAndNoLongerThanIt) {
-  Histograms kept;
-  auto first = std::make_shared<NoVolume>();
-  const auto second = std::make_shared<NoVolume>();
-  diaphane::v1::Histogram histogram;
-  histogram.set_width(16);
-  kept.add(first, histogram);
-  EXPECT_EQ(kept.of(*first).width(), 16);
-  EXPECT_EQ(kept.of(*second).width(), 0);
-  const NoVolume* const address = first.get();
-  first.reset();
-  kept.add(second, {});
-  EXPECT_EQ(kept.of(*address).width(), 0);
 }
 
 }  // namespace

@@ -177,6 +177,21 @@ Outcome receive_visibility(SessionState& state, Receiver& receiver, bool visible
   return outcome;
 }
 
+Outcome receive_depth_query(Receiver& receiver, const v1::DepthQuery& query, TimePoint now) {
+  const auto within = [](double part) { return part >= 0 && part <= 1; };
+  if (!within(query.x()) || !within(query.y())) {
+    return refuse(ErrorCode::kInvalid, "That place is not in the picture.", false);
+  }
+  if (receiver.depth_asked && now - *receiver.depth_asked < kDepthEvery) {
+    return refuse(ErrorCode::kTooMany, "The picture was asked too often how far away it is.",
+                  false);
+  }
+  receiver.depth_asked = now;
+  Outcome outcome;
+  outcome.depth = query;
+  return outcome;
+}
+
 Outcome receive_handover(SessionState& state, Receiver& receiver, const v1::Handover& handover,
                          TimePoint now) {
   Outcome outcome;
@@ -320,6 +335,8 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
       return receive_handover(state, *receiver, message.handover(), now);
     case v1::ClientMessage::kOwnCamera:
       return receive_own_camera(state, *receiver, message.own_camera().on());
+    case v1::ClientMessage::kDepthQuery:
+      return receive_depth_query(*receiver, message.depth_query(), now);
     case v1::ClientMessage::BODY_NOT_SET:
       break;
   }

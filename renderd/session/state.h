@@ -46,8 +46,9 @@ struct Outcome {
   bool audience = false;                         ///< everybody is to be told who is here
   bool presenter = false;                        ///< the presenter is to be told the scene (Look)
   std::optional<bool> own_camera;  ///< a camera of its own is asked for, or given back
-  bool wake = false;               ///< the runner has something new to look at
-  bool room = false;               ///< the encoders may take the next picture
+  std::optional<diaphane::v1::DepthQuery> depth;  ///< to be answered
+  bool wake = false;                              ///< the runner has something new to look at
+  bool room = false;                              ///< the encoders may take the next picture
 };
 
 inline constexpr std::uint32_t kSmallestSide = 16;

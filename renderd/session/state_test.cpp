@@ -318,6 +318,29 @@ TEST_F(StateTest, AGestureIsOverWhenItsLastInputSaysSoAndNotBefore) {
   EXPECT_FALSE(state.wanted.rest);
 }
 
+TEST_F(StateTest, HowFarAwaySomethingIsMayBeAskedOfAPlaceInThePictureAndNotTooOften) {
+  say(hello());
+  v1::ClientMessage query;
+  query.mutable_depth_query()->set_id(7);
+  query.mutable_depth_query()->set_x(1);
+  query.mutable_depth_query()->set_y(0.25);
+  const Outcome outcome = say(query);
+  ASSERT_TRUE(outcome.depth);
+  EXPECT_EQ(outcome.depth->id(), 7U);
+  EXPECT_FALSE(outcome.wake) << "nothing is rendered anew";
+  EXPECT_EQ(say(query).problem->code(), "too_many");
+  now += kDepthEvery;
+  for (const double wrong : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
+    query.mutable_depth_query()->set_y(wrong);
+    const Outcome refused = say(query);
+    EXPECT_FALSE(refused.depth);
+    EXPECT_EQ(refused.problem->code(), "invalid");
+    EXPECT_FALSE(refused.problem->fatal());
+  }
+  query.mutable_depth_query()->set_y(0);
+  EXPECT_TRUE(say(query).depth);
+}
+
 TEST(SessionState, RawPicturesAreWantedOnlyWhereAskedFor) {
   SessionState state;
   const TimePoint now{};

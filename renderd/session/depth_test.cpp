@@ -1,0 +1,116 @@
+#include "renderd/session/depth.h"
+
+#include <gtest/gtest.h>
+
+#include "renderd/scene/test_scenes.h"
+
+namespace diaphane::render {
+namespace {
+
+using test::set;
+
+// Looked at from the front: what lies at y in the volume is 500 + y mm away.
+constexpr double kEye = 500;
+constexpr Canvas kCanvas{400, 300};
+
+diaphane::v1::Scene from_the_front(double extinction = 5) {
+  diaphane::v1::Scene scene;
+  test::add_channel(*scene.mutable_transfer_function(), {{100, 0}, {200, 1}, {3000, 1}});
+  scene.mutable_transfer_function()->set_extinction_per_mm(extinction);
+  test::set_camera(scene, 0, -kEye, 0, 30);
+  return scene;
+}
+
+/// A cube of 100 mm, `value` of y in mm from its front.
+std::shared_ptr<const CoarseVolume> layers(std::uint32_t side,
+                                           const std::function<double(double)>& value) {
+  const double spacing = 100.0 / side;
+  return coarse_of(test::make_volume({side, side, side}, {spacing, spacing, spacing},
+                                     [&](double, double y, double) { return value(y * spacing); }));
+}
+
+double opaque_from_30(double y) { return y > 30 ? 1000 : 0; }
+
+TEST(Depth, IsThatOfTheSurfaceUnderThePoint) {
+  const auto volume = layers(100, opaque_from_30);
+  const auto seen = seen_at(*volume, from_the_front(), kCanvas, 0.5, 0.5);
+  ASSERT_TRUE(seen);
+  EXPECT_NEAR(seen->distance, kEye - 50 + 30, 1);
+  EXPECT_NEAR(seen->place.y, -50 + 30, 1);
+}
+
+TEST(Depth, IsAlongTheViewAxisAlsoBesideTheMiddleOfThePicture) {
+  const auto volume = layers(100, opaque_from_30);
+  // 30 degrees high at 480 mm: 257 mm, so a tenth of the height is 25.7 mm.
+  const auto seen = seen_at(*volume, from_the_front(), kCanvas, 0.5 + 0.1 * 300 / 400, 0.4);
+  ASSERT_TRUE(seen);
+  EXPECT_NEAR(seen->distance, kEye - 20, 1);
+  EXPECT_NEAR(seen->place.x, 25.7, 0.3) << "the patient's left is on the right";
+  EXPECT_NEAR(seen->place.z, 25.7, 0.3);
+}
+
+TEST(Depth, IsKeptWhereTheVolumeIsLookedAtCoarsely) {
+  const auto volume = layers(250, opaque_from_30);
+  EXPECT_LE(volume->volume.voxels.size(), 1'000'000U);
+  const auto seen = seen_at(*volume, from_the_front(), kCanvas, 0.5, 0.5);
+  ASSERT_TRUE(seen);
+  EXPECT_NEAR(seen->distance, kEye - 20, 1);
+}
+
+TEST(Depth, IsThatOfAThinSkinOrOfTheBoneBehindItAndNeverBetween) {
+  // The skin is 4 mm thick and 10 mm from the front, the bone begins at 60.
+  const auto volume = layers(100, [](double y) {
+    return y > 60 ? 1000 : y > 10 && y < 14 ? 150 : 0;  // half as opaque
+  });
+  const auto thick = seen_at(*volume, from_the_front(2), kCanvas, 0.5, 0.5);
+  ASSERT_TRUE(thick);
+  EXPECT_NEAR(thick->distance, kEye - 50 + 11, 2);
+  const auto thin = seen_at(*volume, from_the_front(0.1), kCanvas, 0.5, 0.5);
+  ASSERT_TRUE(thin);
+  EXPECT_GE(thin->distance, kEye - 50 + 59);
+}
+
+TEST(Depth, IsNothingWhereOnlyBackgroundIsSeen) {
+  const auto volume = layers(50, opaque_from_30);
+  EXPECT_FALSE(seen_at(*volume, from_the_front(), kCanvas, 0.01, 0.5)) << "beside the volume";
+  EXPECT_FALSE(seen_at(*layers(50, [](double) { return 0; }), from_the_front(), kCanvas, 0.5, 0.5));
+}
+
+TEST(Depth, GoesThroughWhatIsCutAway) {
+  const auto volume = layers(100, opaque_from_30);
+  diaphane::v1::Scene scene = from_the_front();
+  set(scene.mutable_clip()->mutable_box_low(), -50, 10, -50);
+  set(scene.mutable_clip()->mutable_box_high(), 50, 50, 50);
+  const auto seen = seen_at(*volume, scene, kCanvas, 0.5, 0.5);
+  ASSERT_TRUE(seen);
+  EXPECT_NEAR(seen->distance, kEye + 10, 1);
+}
+
+TEST(Depth, IsThatOfASliceAlsoWhereThereIsNoMatter) {
+  const auto volume = layers(100, opaque_from_30);
+  diaphane::v1::Scene scene = from_the_front();
+  scene.mutable_slices()->mutable_coronal()->set_shown(true);
+  scene.mutable_slices()->mutable_coronal()->set_position(-40);
+  scene.mutable_slices()->set_window_width(400);
+  for (const bool alone : {false, true}) {
+    scene.mutable_slices()->set_alone(alone);
+    const auto seen = seen_at(*volume, scene, kCanvas, 0.5, 0.5);
+    ASSERT_TRUE(seen) << alone;
+    EXPECT_NEAR(seen->distance, kEye - 40, 1e-2) << alone;
+  }
+}
+
+TEST(Depth, CountsFromTheEyeAlsoWithParallelRaysAndAnOpenLens) {
+  const auto volume = layers(100, opaque_from_30);
+  diaphane::v1::Scene scene = from_the_front();
+  scene.mutable_camera()->set_orthographic_height(200);
+  scene.mutable_camera()->set_aperture_radius(20);
+  scene.mutable_camera()->set_focal_distance(100);
+  const auto seen = seen_at(*volume, scene, kCanvas, 0.5, 0.4);
+  ASSERT_TRUE(seen);
+  EXPECT_NEAR(seen->distance, kEye - 20, 1);
+  EXPECT_NEAR(seen->place.z, 20, 0.5);
+}
+
+}  // namespace
+}  // namespace diaphane::render
