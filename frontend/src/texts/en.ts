@@ -15,8 +15,10 @@ import { sharing } from "./en/sharing";
 import { titles } from "./en/titles";
 import { viewer } from "./en/viewer";
 
+export { t } from "./index";
+
 /** Every text of the page, an area a file. Another language is another folder of the same shape. */
-export const t = {
+export const en = {
   ...common,
   account,
   admin,

@@ -1,5 +1,5 @@
 import { useEffect } from "preact/hooks";
-import { t } from "../texts/en";
+import { language, t } from "../texts";
 import { SignIn, SignUp, Verify } from "./account";
 import { Admin } from "./admin";
 import { Add } from "./add";
@@ -17,10 +17,11 @@ import { SharedByLink, SharedSample } from "./shared";
 import { AppContext, useApp, type AppState } from "./state";
 import { OwnViewer } from "./viewer/viewer";
 
+/** In another language every page begins anew: what it has shown was read from the texts before. Uploads and the account go on. */
 export function App({ state }: { readonly state: AppState }) {
   return (
     <AppContext.Provider value={state}>
-      <Page />
+      <Page key={language.value} />
     </AppContext.Provider>
   );
 }

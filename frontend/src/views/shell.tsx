@@ -1,7 +1,8 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { is_open } from "../api/upload_view";
-import { t } from "../texts/en";
+import { change_language, language, t } from "../texts";
+import { languages, type Language } from "../texts/choose";
 import { Icon, Mark } from "./icons";
 import { Link, navigate, route } from "./router";
 import { useApp } from "./state";
@@ -13,6 +14,21 @@ export function ThemeSwitch() {
     <button type="button" class="icon-button theme-switch" aria-label={label} title={label} onClick={toggle_theme}>
       <Icon name={theme.value === "dark" ? "sun" : "moon"} />
     </button>
+  );
+}
+
+/** Each language by its own name, so that one finds one's own among any others. */
+function LanguageChoice() {
+  return (
+    <label class="language">
+      <span>{t.language}</span>
+      <select class="choice" value={language.value} onChange={(event) => {
+        const select = event.currentTarget;
+        void change_language(select.value as Language).catch(() => (select.value = language.value));
+      }}>
+        {Object.entries(languages).map(([one, name]) => <option key={one} value={one} lang={one}>{name}</option>)}
+      </select>
+    </label>
   );
 }
 
@@ -76,6 +92,7 @@ export function Shell({ children }: { readonly children: ComponentChildren }) {
         </div>
       </header>
       <main id="content" tabIndex={-1}>{children}</main>
+      <footer class="foot"><LanguageChoice /></footer>
     </>
   );
 }

@@ -5,6 +5,7 @@ export const common = {
   skip: "Skip to the content",
   theme: { to_dark: "Use the dark look", to_light: "Use the light look" },
   nav: { scans: "My scans", add: "Add a scan", admin: "Administration", account: "Your account", sign_out: "Sign out", signed_in_as: (email: string) => `Signed in as ${email}` },
+  language: "Language",
   close: "Close",
   cancel: "Cancel",
   try_again: "Try again",

@@ -1,4 +1,3 @@
-/** Numbers as they stand in sentences. */
+import { counting } from "../counting";
 
-export const number = new Intl.NumberFormat("en");
-export const count = (n: number, one: string, many: string): string => `${number.format(n)} ${n === 1 ? one : many}`;
+export const { number, fixed, count } = counting("en");

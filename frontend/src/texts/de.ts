@@ -1,0 +1,37 @@
+import type { Texts } from ".";
+import { account } from "./de/account";
+import { add } from "./de/add";
+import { admin } from "./de/admin";
+import { common } from "./de/common";
+import { cut } from "./de/cut";
+import { live } from "./de/live";
+import { my_account } from "./de/my_account";
+import { presets } from "./de/presets";
+import { problems } from "./de/problems";
+import { recording } from "./de/recording";
+import { scans } from "./de/scans";
+import { second_factor } from "./de/second_factor";
+import { settings } from "./de/settings";
+import { sharing } from "./de/sharing";
+import { titles } from "./de/titles";
+import { viewer } from "./de/viewer";
+
+/** The same in German. */
+export const de = {
+  ...common,
+  account,
+  add,
+  admin,
+  cut,
+  live,
+  my_account,
+  presets,
+  problems,
+  recording,
+  scans,
+  second_factor,
+  settings,
+  sharing,
+  titles,
+  viewer,
+} as unknown as Texts;

@@ -1,0 +1,51 @@
+import type { Texts } from "..";
+import type { Soon } from "../shape";
+import { fixed } from "./counting";
+
+export const my_account: Soon<Texts["my_account"]> = {
+  room: "Ihr Platz und Ihre Zeit",
+  storage: "Platz für Aufnahmen",
+  storage_used: (used, all) => `${used} von ${all}`,
+  time: "Bildzeit in diesem Monat",
+  time_used: (used, all) => `${used} von ${all}`,
+  time_help: (date) => `Was die Renderer für Ihre Bilder gearbeitet haben. Ein Bild, das scharf geworden ist, kostet nichts mehr. Am ${date} beginnt es von vorn.`,
+  time_spent: (date) => `Ihre Bildzeit für diesen Monat ist verbraucht. Am ${date} beginnt sie von vorn.`,
+  hours: (ms) => {
+    const minutes = ms / 60_000;
+    return minutes < 1 ? `${Math.round(ms / 1000)} s` : minutes < 120 ? `${Math.round(minutes)} min` : `${fixed(minutes / 60, 1)} h`;
+  },
+  address: "Ihre Adresse",
+  address_now: (email) => `Sie melden sich mit ${email} an.`,
+  new_address: "Neue Adresse",
+  change_address: "Adresse ändern",
+  address_sent: (email) => `Öffnen Sie den Link, den wir an ${email} geschickt haben. Bis dahin ändert sich nichts.`,
+  password: "Ihr Passwort",
+  current: "Jetziges Passwort",
+  change_password: "Passwort ändern",
+  password_changed: "Ihr neues Passwort gilt. Alle anderen Browser wurden abgemeldet.",
+  browsers: "Wo Sie angemeldet sind",
+  browsers_help: "Kein Ort und keine Adresse wird gespeichert, nur wann und ungefähr mit welchem Browser.",
+  a_browser: "Ein Browser",
+  this_one: "dieser",
+  since: (when) => `seit ${when}`,
+  used: (when) => `zuletzt benutzt ${when}`,
+  end_one: "Abmelden",
+  end_one_of: (browser) => `${browser} abmelden`,
+  end_all: "Überall abmelden",
+  data: "Ihre Daten",
+  export_help: "Eine Datei mit allem, was von Ihnen gespeichert ist: Ihr Konto, Ihre Aufnahmen als Voxel, Voreinstellungen, Aufzeichnungen, und was damit geschah. Sie liegt hier einen Tag lang, nur für Sie.",
+  export_ask: "Datei erstellen",
+  export_queued: "Die Datei wird erstellt …",
+  export_ready: (size) => `Die Datei ist fertig: ${size}.`,
+  export_until: (when) => `Sie liegt hier bis ${when}.`,
+  export_failed: "Die Datei konnte nicht erstellt werden. Bitte versuchen Sie es noch einmal.",
+  export_get: "Herunterladen",
+  export_delete: "Datei löschen",
+  remove: "Konto löschen",
+  remove_help: "Ihre Aufnahmen, Bilder, Voreinstellungen, Aufzeichnungen und Freigaben gehen mit, sofort und endgültig. Niemand kann sie zurückholen.",
+  remove_ask: "Mein Konto löschen …",
+  remove_title: "Alles löschen?",
+  remove_text: "Alle Ihre Aufnahmen und Ihr Konto werden jetzt gelöscht. Offene Bilder enden, Links gelten nicht mehr. Das lässt sich nicht rückgängig machen. Geben Sie zur Bestätigung Ihr Passwort ein.",
+  remove_yes: "Alles löschen",
+  removed: "Ihr Konto und alles, was dazu gehörte, wurde gelöscht.",
+};

@@ -1,0 +1,19 @@
+import type { Texts } from "..";
+import type { Soon } from "../shape";
+
+export const titles: Soon<Texts["titles"]> = {
+  sign_up: "Legen Sie Ihr Konto an",
+  sign_in: "Anmelden",
+  code: "Ihr Code",
+  verify: "Bestätigen Sie Ihre Adresse",
+  check_mail: "Sehen Sie in Ihre E-Mails",
+  forgot: "Ein neues Passwort",
+  reset: "Wählen Sie ein neues Passwort",
+  confirm_email: "Ihre neue Adresse",
+  account: "Ihr Konto",
+  admin: "Verwaltung",
+  scans: "Meine Aufnahmen",
+  add: "Neue Aufnahme",
+  view: "Ansicht",
+  not_found: "Hier ist nichts",
+};

@@ -1,0 +1,46 @@
+import { signal } from "@preact/signals";
+import { choose_language, place_of, type Language } from "./choose";
+import type { en } from "./en";
+import type { Translation } from "./shape";
+
+export type Texts = Translation<typeof en>;
+
+/** Only the language that is shown is loaded. */
+const catalogues: Record<Language, () => Promise<Texts>> = {
+  en: async () => (await import("./en")).en,
+  de: async () => (await import("./de")).de,
+};
+
+const key = "diaphane.language";
+
+/** Every text of the page, in `language`. Read it where it is shown, not when a module is loaded: it may change. */
+export let t: Texts;
+export const language = signal<Language>("en");
+
+/** For `Intl`: dates and numbers as at the person's place. */
+export const place = (): string => place_of(language.value, navigator.languages);
+
+export async function load_texts(wanted: Language): Promise<void> {
+  t = await catalogues[wanted]();
+  language.value = wanted;
+}
+
+function kept(): string | null {
+  try {
+    return localStorage.getItem(key);
+  } catch {
+    return null; // a browser that keeps nothing
+  }
+}
+
+export const first_language = (): Language => choose_language(kept(), navigator.languages);
+
+/** As a person chose it, here and at the next visit. */
+export async function change_language(wanted: Language): Promise<void> {
+  await load_texts(wanted);
+  try {
+    localStorage.setItem(key, wanted);
+  } catch {
+    // For this visit alone, then.
+  }
+}
