@@ -12,6 +12,7 @@ import { scans } from "./en/scans";
 import { second_factor } from "./en/second_factor";
 import { settings } from "./en/settings";
 import { sharing } from "./en/sharing";
+import { take } from "./en/take";
 import { titles } from "./en/titles";
 import { viewer } from "./en/viewer";
 
@@ -33,6 +34,7 @@ export const en = {
   second_factor,
   settings,
   sharing,
+  take,
   titles,
   viewer,
 } as const;

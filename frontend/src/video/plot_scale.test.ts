@@ -11,7 +11,7 @@ describe("the plot of error against time", () => {
   });
   it("stays inside its frame and labels whole decades", () => {
     const plot = plot_of([{ seconds: 0.01, error: 0.9 }, { seconds: 30, error: 0.004 }], 190, 74);
-    expect(plot?.horizontal.map(({ label }) => label)).toEqual(["0.1 %", "1 %", "10 %", "100 %"]);
+    expect(plot?.horizontal.map(({ percent }) => percent)).toEqual([0.1, 1, 10, 100]);
     for (const { at } of plot?.horizontal ?? []) expect(at >= -1e-9 && at <= 74 + 1e-9).toBe(true);
     expect(plot?.vertical).toHaveLength(4);
   });

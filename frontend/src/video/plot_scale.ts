@@ -5,7 +5,7 @@ export interface Plot {
   /** As `x,y x,y …` in a box of `width` by `height`. */
   readonly line: string;
   readonly vertical: readonly number[];
-  readonly horizontal: readonly { readonly at: number; readonly label: string }[];
+  readonly horizontal: readonly { readonly at: number; readonly percent: number }[];
 }
 
 export function plot_of(points: readonly ErrorPoint[], width: number, height: number): Plot | null {
@@ -23,11 +23,6 @@ export function plot_of(points: readonly ErrorPoint[], width: number, height: nu
   return {
     line: xs.map((x, i) => `${x_of(x).toFixed(1)},${y_of(ys[i] ?? bottom).toFixed(1)}`).join(" "),
     vertical: decades(left, right).map(x_of),
-    horizontal: decades(bottom, top).map((y) => ({ at: y_of(y), label: percent_label(y) })),
+    horizontal: decades(bottom, top).map((y) => ({ at: y_of(y), percent: Number((10 ** (y + 2)).toPrecision(1)) })),
   };
 }
-
-const percent_label = (log_error: number): string => {
-  const percent = 10 ** (log_error + 2);
-  return `${percent >= 1 ? percent.toFixed(0) : percent.toFixed(-(log_error + 2))} %`;
-};

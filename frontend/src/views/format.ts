@@ -1,3 +1,4 @@
+import { short_number } from "../scene/numbers";
 import { place } from "../texts";
 
 /** Decimal, as discs and quotas are counted. */
@@ -15,6 +16,10 @@ export function bytes_text(bytes: number): string {
 /** So many digits behind the point, or the comma. */
 export const fixed_text = (value: number, digits: number): string =>
   new Intl.NumberFormat(place(), { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false }).format(value);
+
+/** As short as `short_number`, with the decimal sign of the person's language. */
+export const number_text = (value: number, digits?: number): string =>
+  new Intl.NumberFormat(place(), { maximumFractionDigits: 20, useGrouping: false }).format(Number(short_number(value, digits)));
 
 /** A DICOM date (yyyymmdd) as this person writes dates; empty when it is none. */
 export function dicom_date_text(date: string): string {

@@ -2,6 +2,12 @@ import type { Texts } from "..";
 import type { Soon } from "../shape";
 import { count } from "./counting";
 
+/** Names that the renderer gives; those that a person gave stay as they are. */
+const known: Readonly<Record<string, string>> = {
+  skin: "Haut", fat: "Fett", muscle: "Muskel", vessels: "Gefäße", bone: "Knochen", airways: "Luftwege", key: "Hauptlicht", fill: "Aufhellung", rim: "Kantenlicht", sky: "Himmel",
+};
+const name_of = (name: string): string => (Object.hasOwn(known, name) ? (known[name] ?? name) : name);
+
 export const settings: Soon<Texts["settings"]> = {
   menu: "Das Bild ändern",
   undo: "Rückgängig",
@@ -23,7 +29,7 @@ export const settings: Soon<Texts["settings"]> = {
 
   look: {
     channels: "Materialien",
-    channel: (name, n) => name || `Material ${n}`,
+    channel: (name, n) => name_of(name) || `Material ${n}`,
     shown: (name) => `${name} zeigen`,
     add: "Material hinzufügen",
     remove: (name) => `${name} entfernen`,
@@ -59,7 +65,7 @@ export const settings: Soon<Texts["settings"]> = {
 
   light: {
     lights: "Lichter",
-    light: (name, n) => name || `Licht ${n}`,
+    light: (name, n) => name_of(name) || `Licht ${n}`,
     on: (name) => `${name} einschalten`,
     add: "Licht hinzufügen",
     kinds: { rectangle: "Quadrat", disk: "Scheibe", sphere: "Kugel", environment: "Von überall", box: "Kasten" },

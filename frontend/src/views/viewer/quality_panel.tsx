@@ -1,5 +1,6 @@
 import { useState } from "preact/hooks";
 import { t } from "../../texts/en";
+import { place } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Icon } from "../icons";
 import { ErrorPlot } from "./error_plot";
@@ -45,7 +46,7 @@ export function QualityPanel({ session }: { readonly session: ViewerSession }) {
       </div>
       <dl>
         <Row name={t.viewer.error} help={t.viewer.error_help} value={error} mark="error" />
-        <Row name={t.viewer.samples} value={facts.samples.toLocaleString("en")} mark="samples" {...(speed ? { aside: speed } : {})} />
+        <Row name={t.viewer.samples} value={facts.samples.toLocaleString(place())} mark="samples" {...(speed ? { aside: speed } : {})} />
         <Row name={t.viewer.time} value={t.viewer.seconds(facts.seconds)} mark="time" />
       </dl>
       <ErrorPlot points={session.curve.value} />

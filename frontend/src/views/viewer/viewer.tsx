@@ -29,6 +29,9 @@ import { SavedPresets, WantedPreset } from "./saved_presets";
 import { Settings } from "./settings/settings";
 import { ShareDialog } from "./share_dialog";
 import { StatusLine } from "./status_line";
+import { LinkedView } from "./take/linked_view";
+import { ShotLine, use_shot } from "./take/shot";
+import { TakeDialog } from "./take/take_dialog";
 
 /** One's own scan. */
 export function OwnViewer({ data_set_id }: { readonly data_set_id: string }) {
@@ -56,8 +59,9 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
   const canvas = useRef<HTMLCanvasElement>(null);
   const [session, set_session] = useState<ViewerSession | null>(null);
   const [fault, set_fault] = useState("");
-  const [open, set_open] = useState<"help" | "share" | "recording" | "scan" | "presets" | null>(null);
+  const [open, set_open] = useState<"help" | "share" | "recording" | "scan" | "presets" | "take" | null>(null);
   const own = place.data_set_id !== null;
+  const shot = use_shot(place);
   const role = role_of(session?.audience.value ?? null);
 
   useEffect(() => {
@@ -105,7 +109,7 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
         if (page.current) void toggle_fullscreen(page.current);
         break;
       case "screenshot":
-        void save_picture(session);
+        set_open("take");
         break;
       case "help":
         set_open("help");
@@ -172,6 +176,7 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
       </header>
       <StatusLine session={session} fault={fault}>
         {own ? <PictureTimeLine onHide={() => canvas.current?.focus()} /> : null}
+        <ShotLine shot={shot} />
       </StatusLine>
       {session && role.follows ? <LiveLine session={session} role={role} /> : null}
       {session && session.connection.value.trouble !== "time_spent" ? (
@@ -187,7 +192,18 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
       {open === "share" && session ? <ShareDialog session={session} role={role} owner={own} onClose={() => set_open(null)} /> : null}
       {open === "scan" && set ? <ShareScanDialog set={set} onChange={onChange} onClose={() => set_open(null)} /> : null}
       {open === "presets" && set && session ? <SavedPresets session={session} set={set} onClose={() => set_open(null)} /> : null}
-      {session && place.data_set_id !== null && role.presents && !onCut ? <WantedPreset session={session} /> : null}
+      {session && place.data_set_id !== null && role.presents && !onCut ? (
+        <>
+          <WantedPreset session={session} />
+          <LinkedView session={session} />
+        </>
+      ) : null}
+      {open === "take" && session ? (
+        <TakeDialog session={session} rendered={own} busy={shot.state?.kind === "rendering"} onTake={(order) => {
+          set_open(null);
+          shot.take(order);
+        }} onClose={() => set_open(null)} />
+      ) : null}
       {open === "recording" ? <RecordingDialog onClose={() => set_open(null)} /> : null}
       {own && session ? <RecordedInteraction session={session} /> : null}
     </div>
@@ -227,16 +243,4 @@ async function toggle_fullscreen(element: HTMLElement): Promise<void> {
   } catch {
     // Not allowed here (a phone, a frame): the page stays as it is.
   }
-}
-
-/** The picture alone, under a name that says nothing of anybody. */
-async function save_picture(session: ViewerSession): Promise<void> {
-  const png = await session.png();
-  if (!png) return;
-  const url = URL.createObjectURL(png);
-  const link = document.createElement("a");
-  link.href = url;
-  link.download = "diaphane.png";
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }

@@ -1,9 +1,10 @@
 import { useEffect, useId, useRef, useState } from "preact/hooks";
 import type { Rgb } from "../../../protocol/gen/api/proto/scene_pb";
 import { hex_of, rgb_of } from "../../../scene/colour";
-import { short_number, typed_number, type Limits } from "../../../scene/numbers";
+import { typed_number, type Limits } from "../../../scene/numbers";
 import { t } from "../../../texts/en";
 import type { ViewerSession } from "../../../video/viewer_session";
+import { number_text } from "../../format";
 import { from_slider, slider_steps, to_slider } from "./scale";
 
 export interface WindowProps {
@@ -29,7 +30,7 @@ export interface NumberControlProps {
 
 /** A slider, and beside it the number itself: typed, with its unit and its limits said. */
 export function NumberControl({ label, unit = "", value, limits, slide = limits, logarithmic = false, step = 1, change, rest }: NumberControlProps) {
-  const said = `${short_number(value)}${unit ? ` ${unit}` : ""}`;
+  const said = `${number_text(value)}${unit ? ` ${unit}` : ""}`;
   return (
     <div class="control" role="group" aria-label={label}>
       <span class="control-name" aria-hidden="true">{label}</span>
@@ -85,7 +86,7 @@ function Typed({ label, unit, value, limits, commit }: TypedProps) {
   const id = useId();
   const [text, set_text] = useState<string | null>(null);
   const [wrong, set_wrong] = useState(false);
-  const shown = short_number(value);
+  const shown = number_text(value);
   useEffect(() => {
     set_text(null);
     set_wrong(false);
@@ -116,7 +117,7 @@ function Typed({ label, unit, value, limits, commit }: TypedProps) {
           }} />
         <span class="unit">{unit}</span>
       </label>
-      {wrong ? <p class="field-fault" id={`${id}-wrong`} role="alert">{t.settings.from_to(short_number(limits.low), short_number(limits.high), unit)}</p> : null}
+      {wrong ? <p class="field-fault" id={`${id}-wrong`} role="alert">{t.settings.from_to(number_text(limits.low), number_text(limits.high), unit)}</p> : null}
     </>
   );
 }

@@ -3,8 +3,8 @@ import type { TransferFunction } from "../../../protocol/gen/api/proto/scene_pb"
 import type { Histogram } from "../../../protocol/messages";
 import { hex_of } from "../../../scene/colour";
 import { outline } from "../../../scene/histogram";
-import { short_number } from "../../../scene/numbers";
 import { t } from "../../../texts/en";
+import { number_text } from "../../format";
 import { area_of, graph_edge, graph_height, graph_width, line_of, nearest_point, opacity_of, points_of, value_at, type At } from "./curve";
 import type { PointActs } from "./point_controls";
 
@@ -64,7 +64,7 @@ export function TransferGraph(props: TransferGraphProps) {
     else if (action.kind === "add") props.add();
     else props.remove();
   };
-  const said = chosen ? t.settings.look.point_said(point + 1, points.length, short_number(chosen.value, 6), short_number(100 * chosen.opacity, 3)) : "";
+  const said = chosen ? t.settings.look.point_said(point + 1, points.length, number_text(chosen.value, 6), number_text(100 * chosen.opacity, 3)) : "";
   return (
     <>
       <svg ref={svg} class="graph" viewBox={`0 0 ${graph_width} ${graph_height}`} role="application" aria-label={t.settings.look.graph}

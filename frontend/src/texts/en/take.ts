@@ -1,0 +1,38 @@
+import { number } from "./counting";
+
+/** What a person takes away: a picture as a file, a link to what is seen. */
+export const take = {
+  title: "Take it with you",
+  picture: "A picture",
+  picture_lead: "Rendered anew in the size you choose, while you go on looking. The file holds the picture and nothing else: no name, no date, not which scan.",
+  picture_now: "The picture as it is on the screen, without any name in it.",
+  size: "Size",
+  sizes: {
+    screen: (width: number, height: number) => `As on the screen, ${width} × ${height}`,
+    large: (width: number, height: number) => `Large, ${width} × ${height}`,
+    largest: (width: number, height: number) => `As large as can be, ${width} × ${height}`,
+    other: "Another",
+  },
+  width: "Width",
+  height: "Height",
+  wrong_size: (least: number, most: number) => `A picture has ${least} to ${number.format(most)} pixels a side. Please type whole numbers.`,
+  other_hint: "As much as on the screen from top to bottom; at the sides more or less.",
+  quality: "How clean",
+  qualities: { quick: "Quick, error 5 %", good: "Good, error 2 %", best: "Finished and lossless; takes longest" },
+  time_hint: "It takes of your picture time.",
+  save: "Save the picture",
+  rendering: "The picture is being rendered",
+  saved: "The picture is saved.",
+  hide: "Hide this",
+  stopped: "No picture was saved.",
+  failed: "The picture could not be made.",
+  link: "A link to what you see",
+  link_lead: "It leads whoever may see this scan to it as it is now: colours, lights, cuts and where you look from. It opens the scan to nobody, and there is no name in it.",
+  link_field: "The link",
+  link_too_large: "There is more in this picture than a link can hold. Save it as a preset instead.",
+  copy: "Copy",
+  copied: "Copied.",
+  not_copied: "The browser did not let us copy. Mark the link and copy it yourself.",
+  link_damaged: "The link is damaged or was cut off: the scan is shown as usual.",
+  link_newer: "The link comes from a newer Diaphane: the scan is shown as usual. Reload the page and try again.",
+} as const;

@@ -1,0 +1,144 @@
+import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
+import { beforeEach, describe, expect, it } from "vitest";
+import { ClientMessageSchema, ConfigSchema, FrameSchema, ProblemSchema, ServerMessageSchema, StillSchema, type ClientMessage, type ServerMessage } from "../protocol/gen/api/proto/stream_pb";
+import { Codec } from "../protocol/messages";
+import type { Door, SocketEvents } from "../protocol/stream_client";
+import { some_scene } from "../scene/testing";
+import { rgb_of } from "./lossless_end";
+import { part_done, StillShot, type ShotState } from "./still_shot";
+
+const size = { width: 32, height: 16 };
+const settled = () => new Promise((resolve) => setTimeout(resolve, 0));
+
+/** A worker by hand. */
+class World {
+  states: ShotState[] = [];
+  drawn: string[] = [];
+  sent: ClientMessage[] = [];
+  socket: SocketEvents | null = null;
+  open = true;
+  door: Door = () => Promise.resolve({ ok: true, url: "/stream" });
+  shot: StillShot;
+
+  constructor(error: number) {
+    this.shot = new StillShot(
+      { scene: some_scene(), size, error },
+      { draw: (picture) => this.drawn.push(`${picture.width} x ${picture.height}`), draw_tiles: (tiles) => this.drawn.push(`${tiles.length} tiles`) },
+      {
+        door: (signal) => this.door(signal),
+        open_socket: (_, events) => {
+          this.socket = events;
+          return { send: (data) => this.sent.push(fromBinary(ClientMessageSchema, data)), close: () => (this.open = false) };
+        },
+        after: (ms, task) => {
+          if (ms === 0) queueMicrotask(task);
+          return () => undefined;
+        },
+        decode: (frame) => Promise.resolve({ image: {} as CanvasImageSource, width: frame.width, height: frame.height, close: () => undefined }),
+        decode_still: (still) => Promise.resolve(new Uint8ClampedArray(4 * size.width * size.height).fill(still.data[0] ?? 0)),
+        sha256: (bytes) => Promise.resolve(Uint8Array.of(bytes.reduce((a, b) => (a + b) % 251, 0))),
+        stills: [],
+        now_ms: () => 0,
+        state: (state) => this.states.push(state),
+      },
+    );
+  }
+  say(body: ServerMessage["body"]): void {
+    this.socket?.message(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body })));
+  }
+  async live(): Promise<void> {
+    this.shot.start();
+    await settled();
+    this.socket?.opened();
+    this.say({ case: "config", value: create(ConfigSchema, { scene: some_scene() }) });
+    await settled();
+  }
+  async frame(error: number, more: object = {}): Promise<void> {
+    this.say({ case: "frame", value: create(FrameSchema, { codec: Codec.JPEG, seq: 1n, epoch: 2n, inputSeq: 2n, iteration: 64n, error, ...size, ...more }) });
+    await settled();
+  }
+  get state(): ShotState | undefined {
+    return this.states.at(-1);
+  }
+}
+
+let world: World;
+beforeEach(async () => {
+  world = new World(0.02);
+  await world.live();
+});
+
+describe("a picture to take away", () => {
+  it("asks for the scene as it was and for its own size", () => {
+    const hello = world.sent.find(({ body }) => body.case === "hello")?.body;
+    expect(hello?.case === "hello" && hello.value.viewport).toMatchObject(size);
+    const scene = world.sent.find(({ body }) => body.case === "scene")?.body;
+    expect(scene?.case === "scene" && scene.value.scene?.lights.length).toBe(some_scene().lights.length);
+  });
+  it("says how far it is, and takes the first frame that is good enough", async () => {
+    await world.frame(0.04);
+    expect(world.state).toEqual({ kind: "rendering", done: 0.25, waits: null });
+    expect(world.drawn).toEqual([]);
+    await world.frame(0.019);
+    expect(world.state).toMatchObject({ kind: "done", error: 0.019, lossless: false });
+    expect(world.drawn).toEqual(["32 x 16"]);
+    expect(world.open).toBe(false);
+    await world.frame(0.018);
+    expect(world.drawn).toEqual(["32 x 16"]);
+  });
+  it("takes no frame of the session's first look, of another size, or smoothed", async () => {
+    await world.frame(0.001, { inputSeq: 0n });
+    await world.frame(0.001, { width: 16, height: 8 });
+    await world.frame(0.001, { denoised: true });
+    expect(world.drawn).toEqual([]);
+  });
+  it("acknowledges every frame, so that more come", async () => {
+    await world.frame(0.5);
+    await world.frame(0.001, { width: 16 });
+    expect(world.sent.filter(({ body }) => body.case === "ack")).toHaveLength(2);
+  });
+  it("ends when it is given up", () => {
+    world.shot.stop();
+    expect(world.state).toMatchObject({ kind: "failed", trouble: "stopped" });
+    expect(world.open).toBe(false);
+  });
+  it("ends in the renderer's words where it refuses the scene", () => {
+    world.say({ case: "problem", value: create(ProblemSchema, { message: "Too many lights." }) });
+    expect(world.state).toEqual({ kind: "failed", trouble: "refused_scene", said: "Too many lights." });
+  });
+});
+
+it("that is to be lossless waits for its tiles, whatever the frames before say", async () => {
+  const exact = new World(0);
+  await exact.live();
+  await exact.frame(0.009);
+  expect(exact.drawn).toEqual([]);
+  const value = 7;
+  const hash = Uint8Array.of(rgb_of(new Uint8ClampedArray(4 * size.width * size.height).fill(value)).reduce((a, b) => (a + b) % 251, 0));
+  exact.say({ case: "still", value: create(StillSchema, { epoch: 2n, tiles: 1, ...size, data: Uint8Array.of(value), hash, iteration: 500n, error: 0.009 }) });
+  await settled();
+  expect(exact.drawn).toEqual(["1 tiles"]);
+  expect(exact.state).toEqual({ kind: "done", samples: 500, error: 0.009, lossless: true });
+});
+
+it("for which no time is left says so and ends", async () => {
+  const spent = new World(0.02);
+  spent.door = () => Promise.resolve({ ok: false, trouble: "time_spent", final: true });
+  spent.shot.start();
+  await settled();
+  expect(spent.state).toEqual({ kind: "failed", trouble: "time_spent", said: "" });
+});
+
+it("for which no renderer is free waits, and says so", async () => {
+  const busy = new World(0.02);
+  busy.door = () => Promise.resolve({ ok: false, trouble: "no_worker", final: false });
+  busy.shot.start();
+  await settled();
+  expect(busy.state).toEqual({ kind: "rendering", done: null, waits: "no_worker" });
+});
+
+it("is done by as much as its noise has fallen", () => {
+  expect(part_done(0.04, 0.02)).toBe(0.25);
+  expect(part_done(0.01, 0.02)).toBe(1);
+  expect([part_done(Infinity, 0.02), part_done(NaN, 0.02), part_done(0, 0.02)]).toEqual([null, null, null]);
+});

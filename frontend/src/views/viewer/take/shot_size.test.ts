@@ -1,0 +1,16 @@
+import { expect, test } from "vitest";
+import { large, largest, typed_size } from "./shot_size";
+
+test("sizes have the shape of the screen and stay within what a renderer takes", () => {
+  expect(large({ width: 1024, height: 768 })).toEqual({ width: 2048, height: 1536 });
+  expect(largest({ width: 390, height: 844 })).toEqual({ width: 1893, height: 4096 });
+  expect(largest({ width: 0, height: 0 })).toEqual({ width: 16, height: 16 });
+  expect(largest({ width: 100000, height: 1 })).toEqual({ width: 4096, height: 16 });
+});
+
+test("what is typed is two whole numbers within the bounds, or refused", () => {
+  expect(typed_size("1920", " 1080 ")).toEqual({ width: 1920, height: 1080 });
+  expect(typed_size("16", "4096")).toEqual({ width: 16, height: 4096 });
+  for (const [width, height] of [["7680", "4320"], ["15", "100"], ["", "100"], ["1e3", "100"], ["12.5", "100"], ["-100", "100"], ["0x100", "100"], ["9".repeat(400), "100"]] as const)
+    expect(typed_size(width, height), width).toBeNull();
+});

@@ -1,0 +1,83 @@
+"""The pages in German: all of their words, one catalogue loaded, chosen by the browser and by the person."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from playwright.sync_api import expect
+
+from harness import TestStack
+from person import PASSWORD, Person
+from picture import wait_for_samples
+from test_every_page import faults
+
+#: What a visitor loads before a picture comes, as the edge sends it (bytes). The scan of DICOM files is loaded where files are chosen.
+MOST_BYTES = 300_000
+SENT = """() => [...performance.getEntriesByType("navigation"), ...performance.getEntriesByType("resource")]
+    .filter((r) => !r.name.includes("/v1/") && !r.name.startsWith("blob:")).map((r) => [new URL(r.name).pathname, r.transferSize])"""
+
+
+def test_a_person_signs_up_and_looks_at_a_scan_in_german(stack: TestStack, visit, cranium: Path, pictures: Path):
+    owner = Person.arrives(stack, visit(small=True), "gerda")
+    scan = owner.has_scan(cranium, "Kopf")
+
+    page = visit(phone=True, locale="de-AT")
+    page.goto(stack.url + "/sign-up")
+    expect(page.get_by_role("heading", name="Legen Sie Ihr Konto an")).to_be_visible()
+    assert page.evaluate("document.documentElement.lang") == "de"
+    assert page.title() == "Legen Sie Ihr Konto an · Diaphane"
+    assert faults(page) == []
+    page.screenshot(path=pictures / "sign-up-german.png")
+    page.get_by_label("E-Mail-Adresse").fill("keine")
+    page.get_by_role("button", name="Konto anlegen").click()
+    expect(page.get_by_text("Das sieht nicht wie eine E-Mail-Adresse aus.")).to_be_visible()
+    page.get_by_label("E-Mail-Adresse").fill(f"zweite-{owner.email}")
+    page.get_by_label("Passwort", exact=True).fill(PASSWORD)
+    page.get_by_role("button", name="Konto anlegen").click()
+    expect(page.get_by_role("heading", name="Sehen Sie in Ihre E-Mails")).to_be_visible()
+
+    page.goto(stack.url + "/sign-in")
+    page.get_by_label("E-Mail-Adresse").fill(owner.email)
+    page.get_by_label("Passwort", exact=True).fill(PASSWORD)
+    page.get_by_role("button", name="Anmelden").click()
+    expect(page.get_by_role("heading", name="Meine Aufnahmen")).to_be_visible()
+    assert faults(page) == []
+    page.screenshot(path=pictures / "scans-german.png")
+
+    page.goto(f"{stack.url}/view/{scan}")
+    wait_for_samples(stack, page, 1)
+    expect(page.get_by_role("button", name="Haut")).to_be_visible()
+    assert faults(page) == []
+    page.screenshot(path=pictures / "viewer-german.png")
+    sent = page.evaluate(SENT)
+    catalogues = [path for path, _ in sent if re.search(r"/(en|de)-[\w-]+\.js$", path)]
+    assert len(catalogues) == 1 and "/de-" in catalogues[0], sent
+    page.get_by_role("button", name="Qualität zeigen").click()
+    page.screenshot(path=pictures / "viewer-german-quality.png")
+
+
+def test_the_language_is_chosen_and_kept_and_what_is_loaded_is_small(stack: TestStack, visit):
+    page = visit()
+    page.goto(stack.url + "/sign-in")
+    expect(page.get_by_role("heading", name="Sign in")).to_be_visible()
+    sent = page.evaluate(SENT)
+    assert 20_000 < sum(size for _, size in sent) <= MOST_BYTES, sent
+    assert not any("/de-" in path or "scan_worker" in path for path, _ in sent), sent
+
+    page.get_by_label("E-mail address").fill("half@example.org")
+    page.get_by_label("Language").select_option("de")
+    expect(page.get_by_role("heading", name="Anmelden")).to_be_visible()
+    assert page.evaluate("document.documentElement.lang") == "de"
+    assert faults(page) == []
+    page.reload()
+    expect(page.get_by_role("heading", name="Anmelden")).to_be_visible()
+    page.get_by_label("Sprache").select_option("en")
+    expect(page.get_by_role("heading", name="Sign in")).to_be_visible()
+
+    # A browser that keeps nothing shows the page in its own language.
+    bare = visit(locale="de-DE")
+    bare.add_init_script("""const { getItem } = Storage.prototype;
+        Storage.prototype.getItem = function (name) { if (name === "diaphane.language") throw new DOMException("no", "SecurityError"); return getItem.call(this, name); };""")
+    bare.goto(stack.url + "/sign-in")
+    expect(bare.get_by_role("heading", name="Anmelden")).to_be_visible()
