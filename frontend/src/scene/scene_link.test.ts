@@ -1,4 +1,4 @@
-import { create, equals } from "@bufbuild/protobuf";
+import { create, equals, toBinary } from "@bufbuild/protobuf";
 import { deflateRawSync } from "node:zlib";
 import { describe, expect, it } from "vitest";
 import { OpacityPointSchema, SceneSchema, type Scene } from "../protocol/gen/api/proto/scene_pb";
@@ -62,5 +62,8 @@ describe("what stands behind the #", () => {
   });
   it("may unpack to gigabytes, of which no more than a scene's are held", async () => {
     expect(await kind(address(new Uint8Array(4_000_000)))).toBe("damaged");
+    const scene = some_scene();
+    for (const light of scene.lights) light.name = " ".repeat(1_000_000);
+    expect(await kind(address(toBinary(SceneSchema, scene)))).toBe("damaged");
   });
 });

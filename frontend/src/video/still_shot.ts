@@ -133,7 +133,7 @@ export class StillShot {
       this.done_ = part_done(frame.error, wanted);
       this.tell();
     }
-    const enough = own && !this.over_ && !this.busy_ && this.order_.error > 0 && !frame.denoised && frame.error <= this.order_.error;
+    const enough = own && !this.over_ && !this.busy_ && !frame.denoised && frame.error <= this.order_.error; // 0: never, it ends with its tiles
     if (enough) {
       this.busy_ = true;
       try {
