@@ -15,7 +15,7 @@ export const longest_side = 4096;
 export interface ShotOrder {
   readonly scene: Scene;
   readonly size: Viewport;
-  /** Estimated relative error at which the picture is good enough; 0: the renderer's own end, without loss. */
+  /** Estimated relative error at which the picture is good enough (a smoothed one is nearer still); 0: the renderer's own end, without loss. */
   readonly error: number;
 }
 
@@ -133,7 +133,7 @@ export class StillShot {
       this.done_ = part_done(frame.error, wanted);
       this.tell();
     }
-    const enough = own && !this.over_ && !this.busy_ && !frame.denoised && frame.error <= this.order_.error; // 0: never, it ends with its tiles
+    const enough = own && !this.over_ && !this.busy_ && frame.error <= this.order_.error; // 0: never, it ends with its tiles
     if (enough) {
       this.busy_ = true;
       try {
