@@ -7,7 +7,7 @@ export const common: Soon<Pick<Texts, keyof typeof english>> = {
   tagline: "Sehen Sie Ihre Aufnahme, wie sie ist.",
   skip: "Zum Inhalt springen",
   theme: { to_dark: "Dunkle Ansicht", to_light: "Helle Ansicht" },
-  nav: { scans: "Meine Aufnahmen", add: "Neue Aufnahme", admin: "Verwaltung", account: "Ihr Konto", sign_out: "Abmelden", signed_in_as: (email) => `Angemeldet als ${email}` },
+  nav: { scans: "Aufnahmen", add: "Hinzufügen", admin: "Verwaltung", account: "Ihr Konto", sign_out: "Abmelden", signed_in_as: (email) => `Angemeldet als ${email}` },
   language: "Sprache",
   close: "Schließen",
   cancel: "Abbrechen",
