@@ -2,17 +2,112 @@
 
 from __future__ import annotations
 
+import base64
 import re
+import struct
 from pathlib import Path
 
 from playwright.sync_api import Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import difference, drag, facts, pixels, wait_for_samples
+from picture import SIDE, difference, drag, facts, pixels, spread, wait_for_samples
 
+PNG = b"\x89PNG\r\n\x1a\n"
 #: Mean difference of a channel, of 255, between two renderings of one view: 2 % and 5 % of noise, averaged over SIDE x SIDE boxes.
 ALIKE = 2.0
+
+
+def chunks(png: bytes) -> list[str]:
+    """Their names, in order."""
+    assert png.startswith(PNG)
+    names, at = [], len(PNG)
+    while at < len(png):
+        length, name = struct.unpack_from(">I4s", png, at)
+        names.append(name.decode())
+        at += 12 + length
+    return names
+
+
+def shrunk(page: Page, png: bytes) -> tuple[int, int, bytes]:
+    """Width, height, and the picture decoded by the browser and scaled as `pixels` does."""
+    width, height, text = page.evaluate(
+        """async ([data, side]) => {
+            const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
+            const picture = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+            const small = new OffscreenCanvas(side, side).getContext("2d");
+            small.imageSmoothingQuality = "high";
+            small.drawImage(picture, 0, 0, side, side);
+            const rgba = small.getImageData(0, 0, side, side).data;
+            let text = "";
+            for (let i = 0; i < rgba.length; i += 4) text += String.fromCharCode(rgba[i], rgba[i + 1], rgba[i + 2]);
+            return [picture.width, picture.height, btoa(text)];
+        }""", [base64.b64encode(png).decode(), SIDE])
+    return width, height, base64.b64decode(text)
+
+
+def test_a_picture_is_rendered_to_be_saved_while_the_live_one_goes_on(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit(small=True)
+    person = Person.arrives(stack, page, "tanja")
+    scan = person.has_scan(cranium, "Erika Mustermann")
+    page.goto(f"{stack.url}/view/{scan}")
+    wait_for_samples(stack, page, 8)
+    drag(page, 60, 0)
+    stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq > 0, what="another view")
+
+    def sessions() -> int:
+        return len(stack.redis.keys("diaphane:session:????????-????-????-????-????????????"))
+
+    assert sessions() == 1
+    page.keyboard.press("s")
+    dialog = page.get_by_role("dialog", name="Take it with you")
+    expect(dialog).to_be_visible()
+    page.screenshot(path=pictures / "take-dialog.png")
+
+    # What cannot be is said, and nothing is begun.
+    dialog.get_by_label("Size").select_option("other")
+    dialog.get_by_label("Width").fill("7680")
+    dialog.get_by_label("Height").fill("4320")
+    dialog.get_by_role("button", name="Save the picture").click()
+    expect(dialog.get_by_role("alert")).to_have_text("A picture has 16 to 4,096 pixels a side. Please type whole numbers.")
+
+    # As on the screen, twice as large.
+    dialog.get_by_label("Width").fill("960")
+    dialog.get_by_label("Height").fill("640")
+    dialog.get_by_label("How clean").select_option("quick")
+    with page.expect_download() as download:
+        dialog.get_by_role("button", name="Save the picture").click()
+        expect(page.locator("[data-shot=rendering]")).to_be_visible()
+        page.screenshot(path=pictures / "take-rendering.png")
+        before = facts(page)
+        page.keyboard.press("ArrowRight")  # the live picture answers meanwhile
+        stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq > before.input_seq, what="the live picture")
+        page.keyboard.press("Control+z")
+    assert download.value.suggested_filename == "diaphane.png"
+    png = Path(download.value.path()).read_bytes()
+    (pictures / "taken.png").write_bytes(png)
+    assert set(chunks(png)) <= {"IHDR", "sRGB", "gAMA", "IDAT", "IEND"}, chunks(png)
+    assert b"Mustermann" not in png and scan.encode() not in png
+    expect(page.get_by_text("The picture is saved.")).to_be_visible()
+    wait_for_samples(stack, page, 32, input_seq=facts(page).input_seq)
+    width, height, taken = shrunk(page, png)
+    live = pixels(page)
+    assert (width, height) == (960, 640)
+    assert spread(taken) > 5 and difference(taken, live) < ALIKE, (spread(taken), difference(taken, live))
+    stack.wait_until(lambda: page.wait_for_timeout(50) or sessions() == 1, what="the session given back")
+    page.get_by_role("button", name="Hide this").click()
+
+    # Given up, nothing is saved, and the session is given back.
+    page.get_by_role("button", name="Save a picture").click()
+    dialog.get_by_label("Size").select_option("largest")
+    dialog.get_by_label("How clean").select_option("best")
+    dialog.get_by_role("button", name="Save the picture").click()
+    line = page.locator("[data-shot=rendering]")
+    expect(line).to_be_visible()
+    stack.wait_until(lambda: page.wait_for_timeout(50) or sessions() == 2, what="a session more")
+    line.get_by_role("button", name="Cancel").click()
+    expect(page.get_by_text("No picture was saved.")).to_be_visible()
+    stack.wait_until(lambda: page.wait_for_timeout(50) or sessions() == 1, what="the session given back")
 
 
 def test_a_link_shows_the_same_to_whoever_may_see_it_and_to_nobody_else(stack: TestStack, visit, cranium: Path, pictures: Path):
