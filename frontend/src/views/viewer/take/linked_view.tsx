@@ -3,6 +3,7 @@ import type { Scene } from "../../../protocol/messages";
 import { scene_of_link } from "../../../scene/scene_link";
 import { t } from "../../../texts/en";
 import type { ViewerSession } from "../../../video/viewer_session";
+import { Icon } from "../../icons";
 import { Notice } from "../../shell";
 
 /** The address may say how the scan is to be shown. What is no scene, or none that the renderer takes, changes nothing. */
@@ -37,5 +38,11 @@ export function LinkedView({ session }: { readonly session: ViewerSession }) {
     session.show_scene(first);
     set_fault(t.take.link_damaged);
   }, [session, refused]);
-  return fault ? <div class="glass linked-fault"><Notice kind="bad">{fault}</Notice></div> : null;
+  if (!fault) return null;
+  return (
+    <div class="glass linked-fault">
+      <Notice kind="bad">{fault}</Notice>
+      <button type="button" class="icon-button" aria-label={t.take.hide} title={t.take.hide} onClick={() => set_fault("")}><Icon name="close" /></button>
+    </div>
+  );
 }
