@@ -168,7 +168,7 @@ def test_a_worker_that_makes_no_sense_is_refused(plane, namespace, spec, words):
     ("renderfleet.spec.template.spec.nodeName", "Not to be set"),
     ("renderfleet.status.refusals", "not asked again for a while"),
     ("renderworker.spec.nodeName", "The node whose GPU it holds"),
-    ("renderworker.spec.drain.reason", "enum: Cordoned, Upgrade"),
+    ("renderworker.spec.drain.reason", "ENUM: Cordoned Upgrade Deleted Idle"),
 ])
 def test_kubectl_explains(plane, path, words):
     assert words in " ".join(plane.kubectl("explain", path).out.split())
