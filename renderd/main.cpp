@@ -53,6 +53,7 @@ struct Settings {
   bool mark_frames = false;
   std::vector<int> devices;
   std::vector<std::string> assist;
+  std::string owner;
 };
 
 std::vector<std::string> split(const std::string& text) {
@@ -159,6 +160,7 @@ Settings read_settings(ConfigReader& in) {
   settings.mark_frames =
       in.one_of("mark-frames", "1: for a bench, each picture shows the number of its input",
                 {"0", "1"}, "0") == "1";
+  settings.owner = in.text("owner", "whose this worker is, for the operator that made it", "");
   read_devices(in, settings);
   return settings;
 }
@@ -283,7 +285,15 @@ int run(int argc, char** argv) {
            std::fprintf(stderr, "--worker-id: another renderd of this name lives at %s\n",
                         holder.c_str());
            name_taken = true;
-         }},
+         },
+         settings.owner,
+         [&] {
+           return static_cast<double>(worker.volumes().bytes()) /
+                  static_cast<double>(std::max<std::uint64_t>(1, worker_options.volume_bytes));
+         },
+         [&] { return worker.runner().summed_error(); },
+         // A few each second, so that not all of them come to the others at once.
+         [&](std::size_t room) { worker.host().move_away(std::min<std::size_t>(room, 4)); }},
         worker.host(), metrics);
     std::optional<Watchdog> watchdog;
     if (settings.silence.count() > 0) {

@@ -1,6 +1,9 @@
-# cmake -DOUT=scripts.cpp -DSCRIPTS="a.lua;b.lua" -P embed_scripts.cmake
+# cmake -DOUT=scripts.cpp -DSCRIPTS="a.lua;b.lua" [-DHEADER="declares/them.h"] -P embed_scripts.cmake
 # One diaphane::api::redis::Script for each file: place.lua becomes kPlace, with the SHA-1 that EVALSHA wants.
-set(text "// Generated from *.lua by embed_scripts.cmake.\n#include \"api/redis/script.h\"\n\nnamespace diaphane::api::redis {\n")
+if(NOT HEADER)
+  set(HEADER api/redis/script.h)
+endif()
+set(text "// Generated from *.lua by embed_scripts.cmake.\n#include \"${HEADER}\"\n\nnamespace diaphane::api::redis {\n")
 foreach(file ${SCRIPTS})
   get_filename_component(name ${file} NAME_WE)
   file(READ ${file} source)

@@ -5,7 +5,7 @@
 --       then of a guest, or empty of the owner: participant, name, hash of the link;
 --       what a session that is new shows first (a serialised Scene), or empty
 -- Returns {"placed", worker, placement}, or {why}: "not_yours", "too_many", "no_worker", "full", "no_memory".
--- Nothing is written unless it is placed. The keys of workers are not known beforehand, so none are declared:
+-- Nothing is written unless it is placed, but that it was not (diaphane:refused). The keys of workers are not known beforehand, so none are declared:
 -- this wants one Redis, not a Redis Cluster.
 
 local session, user, data_set, ticket, epoch = ARGV[1], ARGV[2], ARGV[3], ARGV[4], ARGV[5]
@@ -102,7 +102,13 @@ if not chosen then
       end
     end
   end
-  if not chosen then return {why_not} end
+  if not chosen then
+    -- An operator makes room for those who found none: each session once, however often it asks.
+    redis.call('ZREMRANGEBYSCORE', 'diaphane:refused', '-inf', now - 5000)
+    redis.call('ZADD', 'diaphane:refused', now, session)
+    redis.call('EXPIRE', 'diaphane:refused', 60)
+    return {why_not}
+  end
 
   if remembered >= most_remembered and oldest_unplaced then
     redis.call('DEL', 'diaphane:session:' .. oldest_unplaced)

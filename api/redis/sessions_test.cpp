@@ -66,9 +66,13 @@ class SessionsTest : public testing::Test {
 
 std::unique_ptr<TestRedisServer> SessionsTest::server_;
 
-TEST_F(SessionsTest, WithoutAWorkerNothingIsPlacedAndNothingIsLeft) {
-  EXPECT_EQ(sessions_.place(request()).error().code, ErrorCode::kUnavailable);
-  EXPECT_EQ(client_->command({"DBSIZE"})->integer, 0);
+TEST_F(SessionsTest, WithoutAWorkerNothingIsPlacedAndNothingIsLeftButThatItWasAsked) {
+  const auto asked = request();
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(sessions_.place(asked).error().code, ErrorCode::kUnavailable);
+  }
+  EXPECT_EQ(client_->command({"DBSIZE"})->integer, 1);
+  EXPECT_EQ(client_->command({"ZCARD", "diaphane:refused"})->integer, 1);
 }
 
 TEST_F(SessionsTest, AWorkerWithTheVolumeIsPreferredThenTheLeastUsed) {

@@ -132,7 +132,7 @@ enum class Phase { kPending, kRunning, kSucceeded, kFailed, kUnknown };
 
 /// Every pod that has our label or is owned by a RenderWorker.
 struct Pod {
-  std::string name, uid;
+  std::string name, uid, version;
   bool owned = false;     ///< its controller is a RenderWorker
   std::string owner_uid;  ///< of that
   std::int64_t epoch = 0;

@@ -196,6 +196,7 @@ std::vector<SessionView> Runner::look() {
   std::vector<SessionView> views;
   views.reserve(tracks_.size());
   std::size_t moving = 0;
+  double error = 0;
   for (const auto& track : tracks_) {
     if (track->gone) continue;
     Ledger& ledger = track->ledger;
@@ -215,8 +216,11 @@ std::vector<SessionView> Runner::look() {
     }
     track->seen.under_way = track->under_way;
     if (track->moving) ++moving;
+    // Without a first picture it is wholly wrong.
+    if (track->seen.visible) error += std::min(1.0, track->seen.error);
     views.push_back(track->seen);
   }
+  error_ = error;
   const bool in_background = !stills_.empty() && stills_.front()->job.background;
   still_share_ = moving > 0 || in_background ? kStillShareMoving : kStillShare;
   const std::lock_guard lock(mutex_);

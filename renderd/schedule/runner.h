@@ -89,6 +89,8 @@ class Runner {
   /// Seconds with anything under way since the start, for the load that the heartbeat tells.
   double busy_seconds() const;
   RunnerTimes times() const;
+  /// Of the pictures that somebody sees, each at most 1: how much is still to be rendered.
+  double summed_error() const { return error_; }
   /// Of each quantum and picture under way.
   const Signs& signs() const { return signs_; }
 
@@ -138,6 +140,7 @@ class Runner {
   DeviceCosts costs_;
   RunnerTimes spent_;
   std::atomic<bool> stopping_{false};
+  std::atomic<double> error_{0};
   Signs signs_;
 
   // Of the thread alone.

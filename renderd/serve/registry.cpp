@@ -8,6 +8,7 @@
 #include "renderd/serve/heartbeat.lua.h"
 #include "renderd/serve/note_render_time.lua.h"
 #include "renderd/serve/rebuild_session.lua.h"
+#include "renderd/serve/report_to_fleet.lua.h"
 #include "renderd/serve/save_scene.lua.h"
 
 namespace diaphane::render {
@@ -122,7 +123,7 @@ bool Registry::heartbeat() {
   bool draining = false;
   {
     const std::lock_guard lock(mutex_);
-    draining = draining_;
+    draining = draining_ || told_to_drain_;
   }
   char load_text[16];
   std::snprintf(load_text, sizeof load_text, "%.3f", load());
@@ -155,6 +156,7 @@ bool Registry::heartbeat() {
   }
   refused_since_.reset();
   note_render_time();
+  if (!options_.owner.empty()) report_to_fleet();
   bool unknown = false;
   for (const std::string& id : answer->list) {
     if (id.empty()) {
@@ -179,6 +181,22 @@ void Registry::note_render_time() {
   }
   // Told with the next heartbeat, when this one was not heard.
   if (!redis_.run(lua::note_render_time, {kRenderTime}, arguments)) host_.spent().give_back(spent);
+}
+
+void Registry::report_to_fleet() {
+  char memory[16], error[24];
+  std::snprintf(memory, sizeof memory, "%.3f", options_.memory());
+  std::snprintf(error, sizeof error, "%.4g", options_.error());
+  const std::string key = worker_key(options_.worker_id);
+  const auto room =
+      redis_.run(lua::report_to_fleet, {kWorkers, key, key + ":drain"},
+                 {options_.worker_id, options_.incarnation, options_.owner, memory, error});
+  if (!room || room->number < 0) return;
+  if (!told_to_drain_) log::info("told_to_drain");
+  told_to_drain_ = true;
+  // Whoever takes a session up needs its scene.
+  if (!save_scenes()) return;
+  options_.told_to_drain(static_cast<std::size_t>(room->number));
 }
 
 void Registry::write_again(const std::string& session) {

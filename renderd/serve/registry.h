@@ -32,6 +32,12 @@ class Registry {
     /// Called once, from the registry's thread: another worker that lives has had this name for
     /// longer than one that died would be remembered.
     std::function<void(const std::string& address)> name_taken;
+    std::string owner;               ///< whose this worker is, for an operator; empty: nobody's
+    std::function<double()> memory;  ///< of the device, 0 to 1
+    std::function<double()> error;   ///< of all pictures, summed
+    /// Called each second while an operator wants this worker to drain, from the registry's thread:
+    /// `room` sessions find a place elsewhere.
+    std::function<void(std::size_t room)> told_to_drain;
   };
 
   Registry(Options options, SessionHost& host, Metrics& metrics);
@@ -51,6 +57,7 @@ class Registry {
   bool heartbeat();
   bool save_scenes();
   void note_render_time();
+  void report_to_fleet();
   void write_again(const std::string& session);
   void refused_name(const std::string& holder);
   double load();
@@ -72,6 +79,7 @@ class Registry {
   std::chrono::steady_clock::time_point load_since_;
   std::optional<std::chrono::steady_clock::time_point> refused_since_;
   bool refusal_told_ = false;
+  bool told_to_drain_ = false;  // for good: it takes no session again
   std::thread thread_;
 };
 

@@ -332,6 +332,50 @@ TEST_F(RegistryTest, ADrainIsToldAtOnce) {
   EXPECT_EQ(redis.field("diaphane:worker:w1", "draining"), "1");
 }
 
+TEST_F(RegistryTest, ToldToDrainItMovesASessionOnlyWhenThereIsRoomElsewhere) {
+  Registry::Options told;
+  told.redis = redis.address;
+  told.worker_id = "w1";
+  told.incarnation = "first";
+  told.address = "127.0.0.1:8085";
+  told.busy_seconds = [] { return 0.0; };
+  told.volumes = [] { return std::vector<std::string>(); };
+  told.owner = "skull/uid/2";
+  told.memory = [] { return 0.25; };
+  told.error = [] { return 1.5; };
+  told.told_to_drain = [this](std::size_t room) { worker->host().move_away(room); };
+  Registry registry(told, worker->host(), metrics);
+  auto [attachment, link] = attach(new_id());
+  const std::string key = "diaphane:worker:w1";
+  ASSERT_TRUE(eventually([&] { return redis.field(key, "used") == "1"; }));
+  ASSERT_TRUE(eventually([&] { return redis.field(key, "owner") == "skull/uid/2"; }));
+  EXPECT_EQ(redis.field(key, "memory"), "0.250");
+  EXPECT_EQ(redis.field(key, "error"), "1.5");
+  EXPECT_TRUE(eventually([&] { return redis.field(key, "idle_since").empty(); }));
+
+  // Meant for the pod before this one.
+  redis.ask({"SET", key + ":drain", "skull/uid/1"});
+  const std::string seen = redis.field(key, "sampled");
+  ASSERT_TRUE(eventually([&] { return redis.field(key, "sampled") != seen; }));
+  EXPECT_EQ(redis.field(key, "draining"), "0");
+
+  redis.ask({"SET", key + ":drain", "skull/uid/2"});
+  ASSERT_TRUE(eventually([&] { return redis.field(key, "draining") == "1"; }));
+  const std::string then = redis.field(key, "sampled");
+  ASSERT_TRUE(eventually([&] { return redis.field(key, "sampled") != then; }));
+  EXPECT_EQ(worker->host().used(), 1U);  // there is no other worker
+  v1::Open open;
+  open.set_session_id(new_id());
+  open.set_volume_id(volume);
+  EXPECT_FALSE(worker->host().open(open, std::make_shared<Link>()));
+
+  redis.ask({"SADD", "diaphane:workers", "w2"});
+  redis.ask({"HSET", "diaphane:worker:w2", "slots", "1", "draining", "0"});
+  ASSERT_TRUE(eventually([&] { return worker->host().used() == 0; }));
+  EXPECT_EQ(link->inbox.ended()->code, ErrorCode::kUnavailable);
+  ASSERT_TRUE(eventually([&] { return !redis.field(key, "idle_since").empty(); }));
+}
+
 TEST(RedisAddress, AnAddressIsHostAndPort) {
   EXPECT_EQ(parse_redis_address("127.0.0.1:6379")->port, 6379);
   for (const char* wrong : {"", "host", ":1", "host:", "host:0", "host:65536", "host:1x"}) {

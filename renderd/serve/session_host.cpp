@@ -246,6 +246,20 @@ void SessionHost::end_all() {
   for (const auto& [id, session] : ending) session->end(stopping());
 }
 
+void SessionHost::move_away(std::size_t count) {
+  std::vector<Session> ending;
+  {
+    const std::lock_guard lock(mutex_);
+    refusing_ = true;
+    for (auto at = sessions_.begin(); at != sessions_.end() && ending.size() < count;) {
+      ending.push_back(std::move(at->second));
+      at = sessions_.erase(at);
+      freed();
+    }
+  }
+  for (const Session& session : ending) session->end(stopping());
+}
+
 void SessionHost::moved_away(const std::string& id) {
   Session session;
   {

@@ -57,6 +57,8 @@ class SessionHost {
   void tick();
   /// Refuses new sessions from now on.
   void refuse_new();
+  /// Ends so many, as end_all does, of those that somebody looks at; refuses new ones.
+  void move_away(std::size_t count);
   /// Ends all with a fatal Problem "unavailable", so that their viewers come back elsewhere.
   void end_all();
   /// It lives on another worker now, or was ended in Redis: ended here.

@@ -1,0 +1,256 @@
+#include "operator/act/carry_out.h"
+
+#include <algorithm>
+
+#include "common/log.h"
+#include "operator/act/objects.h"
+#include "operator/kube/informer.h"
+#include "operator/names.h"
+#include "operator/plan/parts.h"
+
+namespace diaphane::fleet {
+namespace {
+
+const char* kind_name(Kind kind) {
+  switch (kind) {
+    case Kind::kFleet:
+      return "RenderFleet";
+    case Kind::kWorker:
+      return "RenderWorker";
+    case Kind::kPod:
+      return "Pod";
+  }
+  return "Pod";
+}
+
+const char* collection(Kind kind) {
+  switch (kind) {
+    case Kind::kFleet:
+      return "renderfleets";
+    case Kind::kWorker:
+      return "renderworkers";
+    case Kind::kPod:
+      return "pods";
+  }
+  return "pods";
+}
+
+std::string key(Kind kind, const std::string& name) {
+  return std::string(collection(kind)) + "/" + name;
+}
+
+struct KeyOf {
+  std::string operator()(const CreateWorker& a) const { return key(Kind::kWorker, a.name); }
+  std::string operator()(const CreatePod& a) const { return key(Kind::kPod, a.worker); }
+  std::string operator()(const SetDrain& a) const { return key(Kind::kWorker, a.worker); }
+  std::string operator()(const DeletePod& a) const { return key(Kind::kPod, a.name); }
+  std::string operator()(const DeleteWorker& a) const { return key(Kind::kWorker, a.name); }
+  std::string operator()(const RemoveFinalizer& a) const { return key(a.kind, a.name); }
+  std::string operator()(const Restore& a) const { return key(a.kind, a.name); }
+  std::string operator()(const SetWorkerStatus& a) const { return key(Kind::kWorker, a.name); }
+  std::string operator()(const SetFleetStatus& a) const { return key(Kind::kFleet, a.name); }
+};
+
+struct NameOf {
+  const char* operator()(const CreateWorker&) const { return "create_worker"; }
+  const char* operator()(const CreatePod&) const { return "create_pod"; }
+  const char* operator()(const SetDrain&) const { return "set_drain"; }
+  const char* operator()(const DeletePod&) const { return "delete_pod"; }
+  const char* operator()(const DeleteWorker&) const { return "delete_worker"; }
+  const char* operator()(const RemoveFinalizer&) const { return "remove_finalizer"; }
+  const char* operator()(const Restore&) const { return "restore"; }
+  const char* operator()(const SetWorkerStatus&) const { return "set_worker_status"; }
+  const char* operator()(const SetFleetStatus&) const { return "set_fleet_status"; }
+};
+
+template <typename T>
+const T* find(const std::vector<T>& all, const std::string& uid) {
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const T& one) { return one.uid == uid; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+tl::unexpected<Error> not_seen() {
+  return fail(ErrorCode::kConflict, "it is not there any more", "NotSeen");
+}
+
+}  // namespace
+
+std::string key_of(const Action& action) { return std::visit(KeyOf{}, action); }
+const char* name_of(const Action& action) { return std::visit(NameOf{}, action); }
+
+struct Carrier::Turn {
+  const Snapshot& seen;
+  std::string version;  ///< after a write of this turn
+
+  Target target(const std::string& name, const std::string& uid, const std::string& at) const {
+    return {name, uid, version.empty() ? at : version};
+  }
+  const Worker* worker(const std::string& uid) const {
+    const auto found = seen.index.find(uid);
+    return found == seen.index.end() ? nullptr
+                                     : &seen.world.workers[static_cast<std::size_t>(found->second)];
+  }
+};
+
+Result<void> Carrier::carry_out(const std::vector<const Action*>& actions, const Snapshot& seen) {
+  Turn turn{seen, {}};
+  for (const Action* action : actions) {
+    auto done = std::visit([&](const auto& what) { return one(what, turn); }, *action);
+    if (!done) return done;
+  }
+  return {};
+}
+
+std::string Carrier::path(Kind kind, const std::string& name, const char* part) const {
+  std::string path = kind == Kind::kPod ? "/api/v1" : std::string("/apis/") + kVersion;
+  path += "/namespaces/" + options_.name_space + "/" + collection(kind);
+  if (!name.empty()) path += "/" + name;
+  return path + part;
+}
+
+Result<void> Carrier::wrote(Kind kind, const Result<Json>& answer, Turn& turn) {
+  if (!answer) return tl::unexpected(answer.error());
+  turn.version = kube::version_of(*answer);
+  options_.wrote(kind, *answer);
+  return {};
+}
+
+Result<void> Carrier::created(Kind kind, const std::string& name, const Result<Json>& answer,
+                              Turn& turn) {
+  if (!answer && answer.error().field == "AlreadyExists") {
+    // Made by an operator before us, or by us without hearing of it: what it is decides.
+    if (const auto there = api_.get(path(kind, name))) options_.wrote(kind, *there);
+  }
+  return wrote(kind, answer, turn);
+}
+
+Result<void> Carrier::gone(const Result<void>& answer) {
+  if (!answer && answer.error().code != ErrorCode::kNotFound) return answer;
+  return {};
+}
+
+Result<void> Carrier::one(const CreateWorker& action, Turn& turn) {
+  const auto pods = turn.seen.pods_of.find(action.fleet_uid);
+  if (pods == turn.seen.pods_of.end()) return not_seen();
+  auto done = created(Kind::kWorker, action.name,
+                      api_.create(path(Kind::kWorker), worker_object(action, *pods->second)), turn);
+  if (done) {
+    events_.tell({"RenderFleet", action.fleet, action.fleet_uid, "Placed",
+                  action.name + " on node " + action.node});
+  }
+  return done;
+}
+
+Result<void> Carrier::one(const CreatePod& action, Turn& turn) {
+  const Worker* worker = turn.worker(action.worker_uid);
+  const auto pods = turn.seen.pods_of.find(action.worker_uid);
+  if (!worker || pods == turn.seen.pods_of.end()) return not_seen();
+  const Fleet* of = find(turn.seen.world.fleets, worker->fleet_uid);
+  if (!of) return not_seen();
+  auto done = created(
+      Kind::kPod, action.worker,
+      api_.create(path(Kind::kPod), pod_object(action, of->name, of->spec.sessions_per_worker,
+                                               of->spec.node_selector, *pods->second)),
+      turn);
+  if (!done && done.error().field != "AlreadyExists") {
+    events_.tell({"RenderWorker", action.worker, action.worker_uid, "PodRefused",
+                  done.error().message, true});
+  }
+  return done;
+}
+
+Result<void> Carrier::one(const SetDrain& action, Turn& turn) {
+  const Target target = turn.target(action.worker, action.uid, action.version);
+  auto done = wrote(
+      Kind::kWorker,
+      api_.apply(path(Kind::kWorker, action.worker), drain_patch(target, action.drain), "drain"),
+      turn);
+  if (done) {
+    events_.tell({"RenderWorker", action.worker, action.uid, "Draining",
+                  std::string(to_string(action.drain.reason))});
+  }
+  return done;
+}
+
+Result<void> Carrier::one(const DeletePod& action, Turn& turn) {
+  const Pod* pod = find(turn.seen.world.pods, action.uid);
+  if (!pod || !pod->owned) return not_seen();
+  return gone(api_.remove(path(Kind::kPod, action.name), {action.uid, pod->version}));
+}
+
+Result<void> Carrier::one(const DeleteWorker& action, Turn& turn) {
+  const Worker* worker = turn.worker(action.uid);
+  if (!worker) return not_seen();
+  const Target target = turn.target(action.name, action.uid, worker->version);
+  return gone(api_.remove(path(Kind::kWorker, action.name), {target.uid, target.version}));
+}
+
+Result<void> Carrier::one(const RemoveFinalizer& action, Turn& turn) {
+  const auto there = api_.get(path(action.kind, action.name));
+  if (!there && there.error().code == ErrorCode::kNotFound) return {};
+  if (!there) return tl::unexpected(there.error());
+  const Target target = turn.target(action.name, action.uid, action.version);
+  const std::string uid = there->value("/metadata/uid"_json_pointer, "");
+  if (uid != target.uid || kube::version_of(*there) != target.version) {
+    options_.wrote(action.kind, *there);
+    return fail(ErrorCode::kConflict, "it changed since", "Conflict");
+  }
+  const auto answer = api_.replace(path(action.kind, action.name), without_finalizer(*there));
+  // With its last finalizer it goes: the answer is what it was.
+  if (!answer) return gone(tl::unexpected(answer.error()));
+  return {};
+}
+
+Result<void> Carrier::one(const Restore& action, Turn& turn) {
+  if (action.kind == Kind::kFleet) {
+    const Fleet* fleet = find(turn.seen.world.fleets, action.uid);
+    if (!fleet) return not_seen();
+    return wrote(action.kind,
+                 api_.apply(path(action.kind, action.name),
+                            finalizer_patch(action.kind,
+                                            turn.target(action.name, action.uid, fleet->version))),
+                 turn);
+  }
+  events_.tell({kind_name(action.kind), action.name, action.uid, "PutBack",
+                "labels, owner or finalizer had been changed", true});
+  if (action.kind == Kind::kPod) {
+    const Pod* pod = find(turn.seen.world.pods, action.uid);
+    const Worker* worker = pod ? turn.worker(pod->owner_uid) : nullptr;
+    if (!worker) return not_seen();
+    return wrote(action.kind,
+                 api_.apply(path(action.kind, action.name),
+                            pod_patch(turn.target(action.name, action.uid, pod->version),
+                                      worker->fleet, worker->name)),
+                 turn);
+  }
+  const Worker* worker = turn.worker(action.uid);
+  if (!worker) return not_seen();
+  return wrote(
+      action.kind,
+      api_.apply(path(action.kind, action.name),
+                 worker_patch(turn.target(action.name, action.uid, worker->version), *worker)),
+      turn);
+}
+
+Result<void> Carrier::one(const SetWorkerStatus& action, Turn& turn) {
+  const Worker* worker = turn.worker(action.uid);
+  if (!worker) return not_seen();
+  const Target target = turn.target(action.name, action.uid, worker->version);
+  return wrote(Kind::kWorker,
+               api_.apply(path(Kind::kWorker, action.name, "/status"),
+                          worker_status_patch(target, action.status), "status"),
+               turn);
+}
+
+Result<void> Carrier::one(const SetFleetStatus& action, Turn& turn) {
+  const Fleet* fleet = find(turn.seen.world.fleets, action.uid);
+  if (!fleet) return not_seen();
+  const Target target = turn.target(action.name, action.uid, fleet->version);
+  return wrote(Kind::kFleet,
+               api_.apply(path(Kind::kFleet, action.name, "/status"),
+                          fleet_status_patch(target, action.status), "status"),
+               turn);
+}
+
+}  // namespace diaphane::fleet

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+#include "operator/kube/api.h"
+#include "operator/kube/event_log.h"
+
+namespace diaphane::fleet {
+
+/// Writes Events in a thread of its own: what is told holds up nothing, and what cannot be written
+/// is left.
+class Events {
+ public:
+  Events(kube::Api& api, std::string name_space);
+  ~Events();
+  Events(const Events&) = delete;
+  Events& operator=(const Events&) = delete;
+  void tell(kube::Happened what);
+
+ private:
+  struct Waiting {
+    kube::Happened what;
+    kube::EventLog::Write write;
+  };
+  void run();
+  void write(const Waiting& one);
+
+  kube::Api& api_;
+  const std::string path_;
+  const std::string name_space_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  kube::EventLog log_;
+  std::deque<Waiting> waiting_;
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace diaphane::fleet

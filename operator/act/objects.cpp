@@ -1,0 +1,178 @@
+#include "operator/act/objects.h"
+
+#include <algorithm>
+
+#include "operator/kube/api.h"
+#include "operator/names.h"
+#include "operator/plan/parts.h"
+
+namespace diaphane::fleet {
+namespace {
+
+Json owned_by(const char* kind, const std::string& name, const std::string& uid) {
+  return Json::array({{{"apiVersion", kVersion},
+                       {"kind", kind},
+                       {"name", name},
+                       {"uid", uid},
+                       {"controller", true},
+                       {"blockOwnerDeletion", true}}});
+}
+
+Json labels_of(const std::string& fleet, const std::string& worker) {
+  return {{kFleetLabel, fleet}, {kWorkerLabel, worker}};
+}
+
+Json metadata_of(const Target& target) {
+  Json metadata = {{"name", target.name}, {"uid", target.uid}};
+  if (!target.version.empty()) metadata["resourceVersion"] = target.version;
+  return metadata;
+}
+
+Json patch_of(const char* kind, const Target& target) {
+  const bool pod = std::string_view(kind) == "Pod";
+  return {{"apiVersion", pod ? "v1" : kVersion}, {"kind", kind}, {"metadata", metadata_of(target)}};
+}
+
+Json conditions_of(const std::vector<Condition>& conditions, std::int64_t generation) {
+  Json all = Json::array();
+  for (const Condition& one : conditions) {
+    all.push_back({{"type", one.type},
+                   {"status", one.status == Truth::kTrue    ? "True"
+                              : one.status == Truth::kFalse ? "False"
+                                                            : "Unknown"},
+                   {"reason", one.reason.empty() ? one.type : one.reason},
+                   {"message", one.message},
+                   {"observedGeneration", generation},
+                   {"lastTransitionTime", kube::time_text(one.since)}});
+  }
+  return all;
+}
+
+void set_environment(Json& container, const char* name, const std::string& value) {
+  Json& all = container["env"];
+  if (!all.is_array()) all = Json::array();
+  all.erase(
+      std::remove_if(all.begin(), all.end(), [&](const Json& one) { return one["name"] == name; }),
+      all.end());
+  // First, so that what the template says may refer to it.
+  all.insert(all.begin(), Json{{"name", name}, {"value", value}});
+}
+
+Json& render_container(Json& spec) {
+  Json& all = spec["containers"];
+  if (!all.is_array() || all.empty()) all = Json::array({{{"name", kContainer}}});
+  for (Json& one : all) {
+    if (one.is_object() && one.value("name", "") == kContainer) return one;
+  }
+  return all.front();
+}
+
+}  // namespace
+
+Json worker_object(const CreateWorker& action, const Json& pods) {
+  return {{"apiVersion", kVersion},
+          {"kind", "RenderWorker"},
+          {"metadata",
+           {{"name", action.name},
+            {"labels", labels_of(action.fleet, action.name)},
+            {"finalizers", {kFinalizer}},
+            {"ownerReferences", owned_by("RenderFleet", action.fleet, action.fleet_uid)}}},
+          {"spec",
+           {{"fleetName", action.fleet},
+            {"fleetUid", action.fleet_uid},
+            {"nodeName", action.node},
+            {"templateHash", action.template_hash},
+            {"template", pods}}}};
+}
+
+Json pod_object(const CreatePod& action, const std::string& fleet, int slots,
+                const Labels& selector, const Json& pods) {
+  Json metadata = pods.value("metadata", Json::object());
+  if (!metadata["labels"].is_object()) metadata["labels"] = Json::object();
+  metadata["name"] = action.worker;
+  metadata["labels"].update(labels_of(fleet, action.worker));
+  metadata["annotations"][kEpochAnnotation] = std::to_string(action.epoch);
+  metadata["ownerReferences"] = owned_by("RenderWorker", action.worker, action.worker_uid);
+  Json spec = pods.value("spec", Json::object());
+  Json& container = render_container(spec);
+  for (const char* kind : {"limits", "requests"}) container["resources"][kind][kGpu] = "1";
+  set_environment(container, "DIAPHANE_OWNER", owner_text(fleet, action.worker_uid, action.epoch));
+  set_environment(container, "DIAPHANE_SLOTS", std::to_string(slots));
+  set_environment(container, "DIAPHANE_WORKER_ID", action.worker);
+  // The scheduler is asked, not passed by: it refuses what does not fit.
+  const Json here = {
+      {"matchFields", {{{"key", "metadata.name"}, {"operator", "In"}, {"values", {action.node}}}}}};
+  spec["affinity"]["nodeAffinity"]["requiredDuringSchedulingIgnoredDuringExecution"] = {
+      {"nodeSelectorTerms", {here}}};
+  for (const auto& [key, value] : selector) spec["nodeSelector"][key] = value;
+  return {{"apiVersion", "v1"}, {"kind", "Pod"}, {"metadata", metadata}, {"spec", spec}};
+}
+
+Json finalizer_patch(Kind kind, const Target& target) {
+  Json patch = patch_of(kind == Kind::kFleet ? "RenderFleet" : "RenderWorker", target);
+  patch["metadata"]["finalizers"] = {kFinalizer};
+  return patch;
+}
+
+Json worker_patch(const Target& target, const Worker& worker) {
+  Json patch = finalizer_patch(Kind::kWorker, target);
+  patch["metadata"]["labels"] = labels_of(worker.fleet, worker.name);
+  patch["metadata"]["ownerReferences"] = owned_by("RenderFleet", worker.fleet, worker.fleet_uid);
+  return patch;
+}
+
+Json pod_patch(const Target& target, const std::string& fleet, const std::string& worker) {
+  Json patch = patch_of("Pod", target);
+  patch["metadata"]["labels"] = labels_of(fleet, worker);
+  return patch;
+}
+
+Json drain_patch(const Target& target, const Drain& drain) {
+  Json patch = patch_of("RenderWorker", target);
+  patch["spec"]["drain"] = {{"reason", to_string(drain.reason)},
+                            {"since", kube::time_text(drain.since)}};
+  return patch;
+}
+
+Json worker_status_patch(const Target& target, const WorkerStatus& status) {
+  Json patch = patch_of("RenderWorker", target);
+  Json& out = patch["status"];
+  out = {{"observedGeneration", status.observed_generation},
+         {"epoch", status.epoch},
+         {"failures", status.failures},
+         {"conditions", conditions_of(status.conditions, status.observed_generation)}};
+  if (!status.failed_pod.empty()) {
+    out["failedPod"] = status.failed_pod;
+    out["failedAt"] = kube::time_text(status.failed_at);
+  }
+  return patch;
+}
+
+Json fleet_status_patch(const Target& target, const FleetStatus& status) {
+  Json patch = patch_of("RenderFleet", target);
+  Json refusals = Json::array();
+  for (const Refusal& one : status.refusals) {
+    refusals.push_back(
+        {{"node", one.node}, {"count", one.count}, {"since", kube::time_text(one.since)}});
+  }
+  patch["status"] = {{"observedGeneration", status.observed_generation},
+                     {"replicas", status.replicas},
+                     {"readyReplicas", status.ready_replicas},
+                     {"slotsTotal", status.slots_total},
+                     {"slotsUsed", status.slots_used},
+                     {"slotsReserved", status.slots_reserved},
+                     {"selector", std::string(kFleetLabel) + "=" + target.name},
+                     {"refusals", refusals},
+                     {"conditions", conditions_of(status.conditions, status.observed_generation)},
+                     {"written", kube::time_text(status.written)}};
+  return patch;
+}
+
+Json without_finalizer(Json object) {
+  Json& all = object["metadata"]["finalizers"];
+  if (all.is_array()) all.erase(std::remove(all.begin(), all.end(), kFinalizer), all.end());
+  object["metadata"].erase("managedFields");
+  return object;
+}
+
+}  // namespace diaphane::fleet

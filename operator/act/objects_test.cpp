@@ -1,0 +1,233 @@
+#include "operator/act/objects.h"
+
+#include <gtest/gtest.h>
+
+#include "operator/observe/objects.h"
+
+namespace diaphane::fleet {
+namespace {
+
+Json pods() {
+  return Json::parse(R"({"metadata": {"labels": {"app": "renderd"}, "annotations": {"note": "x"}},
+    "spec": {"tolerations": [{"key": "gpu", "operator": "Exists", "effect": "NoSchedule"}],
+             "containers": [{"name": "sidecar", "image": "s"},
+                            {"name": "renderd", "image": "r", "resources": {"limits": {"memory": "1Gi"}},
+                             "env": [{"name": "DIAPHANE_SLOTS", "value": "9"}, {"name": "X", "value": "y"}]}]}})");
+}
+
+Json fleet_object() {
+  return {{"metadata",
+           {{"name", "skull"},
+            {"uid", "f"},
+            {"resourceVersion", "7"},
+            {"generation", 3},
+            {"finalizers", {"diaphane.dev/drain"}}}},
+          {"spec",
+           {{"sessionsPerWorker", 4},
+            {"strategy", "Packed"},
+            {"warm", {{"minIdleSlots", 2}, {"maxRefillPerSecond", 0.5}}},
+            {"scaleToZeroAfter", "1h30m"},
+            {"drainTimeout", "90s"},
+            {"replicas", 2},
+            {"nodeSelector", {{"pool", "gpu"}}},
+            {"template", pods()}}}};
+}
+
+const CreateWorker kWorker{"skull-0", "skull", "f", "node-1", "hash"};
+const CreatePod kPod{"skull-0", "w", "node-1", "hash", 3};
+
+TEST(Objects, AFleetIsReadWhole) {
+  const auto read = read_fleet(fleet_object());
+  ASSERT_TRUE(read);
+  const FleetSpec& spec = read->fleet.spec;
+  EXPECT_EQ(spec.sessions_per_worker, 4);
+  EXPECT_EQ(spec.strategy, Strategy::kPacked);
+  EXPECT_EQ(spec.min_idle_slots, 2);
+  EXPECT_EQ(spec.max_refill_per_second, 0.5);
+  EXPECT_EQ(spec.scale_to_zero_after, 5400);
+  EXPECT_EQ(spec.drain_timeout, 90);
+  EXPECT_EQ(spec.replicas, 2);
+  EXPECT_EQ(spec.node_selector.at("pool"), "gpu");
+  ASSERT_EQ(spec.tolerations.size(), 1U);
+  EXPECT_EQ(spec.tolerations[0].effect, "NoSchedule");
+  EXPECT_TRUE(read->fleet.finalizer);
+  EXPECT_FALSE(read->fleet.deleted);
+}
+
+TEST(Objects, TheHashOfATemplateIsThatOfItsMeaning) {
+  const std::string hash = template_hash(pods(), 4);
+  EXPECT_EQ(template_hash(Json::parse(pods().dump()), 4), hash);
+  EXPECT_NE(template_hash(pods(), 5), hash);
+  Json other = pods();
+  other["spec"]["containers"][1]["image"] = "r2";
+  EXPECT_NE(template_hash(other, 4), hash);
+}
+
+TEST(Objects, AWorkerIsReadAsItWasMade) {
+  Json object = worker_object(kWorker, pods());
+  object["metadata"]["uid"] = "w";
+  object["metadata"]["resourceVersion"] = "9";
+  Templates templates;
+  const auto read = read_worker(object, templates);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->worker.fleet, "skull");
+  EXPECT_EQ(read->worker.fleet_uid, "f");
+  EXPECT_EQ(read->worker.node, "node-1");
+  EXPECT_EQ(read->worker.template_hash, "hash");
+  EXPECT_TRUE(read->worker.labelled);
+  EXPECT_TRUE(read->worker.finalizer);
+  EXPECT_EQ(*read->pods, pods());
+  object["metadata"]["labels"].erase("diaphane.dev/fleet");
+  EXPECT_FALSE(read_worker(object, templates)->worker.labelled);
+}
+
+TEST(Objects, AWorkersStatusIsReadAsItWasWritten) {
+  WorkerStatus status;
+  status.observed_generation = 2;
+  status.epoch = 5;
+  status.failures = 1;
+  status.failed_pod = "p";
+  status.failed_at = 1795359845.25;
+  status.conditions = {{"Ready", Truth::kFalse, "NotYet", "", 1795359840.5},
+                       {"Scheduled", Truth::kUnknown, "NoPod", "", 1795359841}};
+  Json object = worker_object(kWorker, pods());
+  object["status"] = worker_status_patch({"skull-0", "w", "9"}, status)["status"];
+  object["spec"]["drain"] =
+      drain_patch({"skull-0", "w", "9"}, {DrainReason::kIdle, 1795359850.125})["spec"]["drain"];
+  Templates templates;
+  const auto read = read_worker(object, templates);
+  EXPECT_EQ(read->worker.status, status);
+  EXPECT_EQ(read->worker.drain, (Drain{DrainReason::kIdle, 1795359850.125}));
+}
+
+TEST(Objects, AFleetsStatusIsReadAsItWasWritten) {
+  FleetStatus status;
+  status.replicas = 3;
+  status.slots_reserved = 1;
+  status.written = 1795359845.75;
+  status.refusals = {{"node-1", 2, 1795359840.25}};
+  status.conditions = {{"Available", Truth::kTrue, "Ready", "3 of 3", 1795359840}};
+  Json object = fleet_object();
+  object["status"] = fleet_status_patch({"skull", "f", "7"}, status)["status"];
+  const FleetStatus read = read_fleet(object)->fleet.status;
+  EXPECT_EQ(read.replicas, 3);
+  EXPECT_EQ(read.slots_reserved, 1);
+  EXPECT_EQ(read.written, status.written);
+  EXPECT_EQ(read.refusals, status.refusals);
+  EXPECT_EQ(read.conditions, status.conditions);
+  EXPECT_EQ(object["status"]["selector"], "diaphane.dev/fleet=skull");
+}
+
+TEST(Objects, APodHasItsGpuItsNodeAndItsName) {
+  const Json pod = pod_object(kPod, "skull", 4, {{"pool", "gpu"}}, pods());
+  const Json& container = pod["spec"]["containers"][1];
+  EXPECT_EQ(container["resources"]["limits"]["nvidia.com/gpu"], "1");
+  EXPECT_EQ(container["resources"]["limits"]["memory"], "1Gi");
+  EXPECT_EQ(container["env"].size(), 4U);
+  EXPECT_EQ(container["env"][0], Json({{"name", "DIAPHANE_WORKER_ID"}, {"value", "skull-0"}}));
+  EXPECT_EQ(container["env"][1]["value"], "4");
+  EXPECT_EQ(container["env"][2]["value"], "skull/w/3");
+  EXPECT_EQ(container["env"][3]["name"], "X");
+  EXPECT_FALSE(pod["spec"]["containers"][0].contains("resources"));
+  const Json& term = pod["spec"]["affinity"]["nodeAffinity"]
+                        ["requiredDuringSchedulingIgnoredDuringExecution"]["nodeSelectorTerms"];
+  ASSERT_EQ(term.size(), 1U);
+  EXPECT_EQ(term[0]["matchFields"][0]["key"], "metadata.name");
+  EXPECT_EQ(term[0]["matchFields"][0]["values"], Json::array({"node-1"}));
+  EXPECT_EQ(pod["spec"]["nodeSelector"]["pool"], "gpu");
+  EXPECT_EQ(pod["metadata"]["labels"]["app"], "renderd");
+}
+
+TEST(Objects, APodIsReadAsOursOnlyWhereARenderWorkerOwnsIt) {
+  Json object = pod_object(kPod, "skull", 4, {}, pods());
+  object["metadata"]["uid"] = "p";
+  object["metadata"]["namespace"] = "home";
+  auto read = read_pod(object, "home");
+  ASSERT_TRUE(read && read->ours);
+  EXPECT_TRUE(read->pod.owned);
+  EXPECT_TRUE(read->pod.labelled);
+  EXPECT_EQ(read->pod.owner_uid, "w");
+  EXPECT_EQ(read->pod.epoch, 3);
+  EXPECT_EQ(read->gpus, 0);
+
+  // Somebody else's with our label: seen, never ours, and its GPU is gone.
+  object["metadata"].erase("ownerReferences");
+  object["spec"]["nodeName"] = "node-1";
+  read = read_pod(object, "home");
+  ASSERT_TRUE(read && read->ours);
+  EXPECT_FALSE(read->pod.owned);
+  EXPECT_EQ(read->gpus, 1);
+
+  // Another group's kind of that name owns nothing of ours.
+  object["metadata"]["ownerReferences"] = {{{"apiVersion", "other.dev/v1"},
+                                            {"kind", "RenderWorker"},
+                                            {"controller", true},
+                                            {"uid", "w"}}};
+  EXPECT_FALSE(read_pod(object, "home")->pod.owned);
+
+  object["metadata"]["namespace"] = "elsewhere";
+  read = read_pod(object, "home");
+  ASSERT_TRUE(read);
+  EXPECT_FALSE(read->ours);
+  EXPECT_EQ(read->name, "elsewhere/skull-0");
+  EXPECT_EQ(read->gpus, 1);
+  object["status"]["phase"] = "Succeeded";
+  EXPECT_FALSE(read_pod(object, "home"));
+}
+
+TEST(Objects, APodsStateIsRead) {
+  Json object = pod_object(kPod, "skull", 4, {}, pods());
+  object["status"] = Json::parse(R"({"phase": "Pending", "conditions": [
+    {"type": "PodScheduled", "status": "False", "reason": "Unschedulable",
+     "lastTransitionTime": "2026-11-22T15:04:05Z"}]})");
+  EXPECT_EQ(read_pod(object, "")->pod.unschedulable, 1795359845);
+  object["status"] =
+      Json::parse(R"({"phase": "Running", "conditions": [{"type": "Ready", "status": "True"}]})");
+  EXPECT_TRUE(read_pod(object, "")->pod.ready);
+  EXPECT_EQ(read_pod(object, "")->pod.phase, Phase::kRunning);
+}
+
+TEST(Objects, ANodeIsRead) {
+  const auto read = read_node(Json::parse(R"({"metadata": {"name": "n", "labels": {"pool": "gpu"}},
+    "spec": {"unschedulable": true, "taints": [{"key": "k", "value": "v", "effect": "NoExecute"}]},
+    "status": {"allocatable": {"nvidia.com/gpu": "8"}, "conditions": [{"type": "Ready", "status": "True"}]}})"));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->node.gpus, 8);
+  EXPECT_TRUE(read->node.cordoned);
+  EXPECT_TRUE(read->node.ready);
+  EXPECT_EQ(read->node.taints[0].effect, "NoExecute");
+}
+
+TEST(Objects, WhatIsOddStopsNothing) {
+  Templates templates;
+  for (const char* text :
+       {"{}", R"({"metadata": 3, "spec": [], "status": "x"})",
+        R"({"metadata": {"name": "a", "labels": 1, "ownerReferences": [7], "finalizers": "x"},
+            "spec": {"drain": 1, "template": 2, "containers": 3, "taints": {}, "replicas": "x"},
+            "status": {"conditions": [1, {}], "allocatable": {"nvidia.com/gpu": "many"}}})"}) {
+    const Json object = Json::parse(text);
+    EXPECT_NO_THROW({
+      read_fleet(object);
+      read_worker(object, templates);
+      read_pod(object, "");
+      read_node(object);
+    }) << text;
+  }
+}
+
+TEST(Objects, AFinalizerOfOthersStays) {
+  const Json object = {{"metadata", {{"finalizers", {"other/one", "diaphane.dev/drain"}}}}};
+  EXPECT_EQ(without_finalizer(object)["metadata"]["finalizers"], Json::array({"other/one"}));
+}
+
+TEST(Durations, AreReadAsGoWritesThem) {
+  EXPECT_EQ(duration_of("90s"), 90);
+  EXPECT_EQ(duration_of("1h30m"), 5400);
+  EXPECT_EQ(duration_of("1m250ms"), 60.25);
+  for (const char* wrong : {"", "5", "s", "-5s", "5 s", "1d", "5sx"}) {
+    EXPECT_FALSE(duration_of(wrong)) << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace diaphane::fleet

@@ -1,0 +1,251 @@
+#include "operator/controller.h"
+
+#include <algorithm>
+
+#include "common/ids.h"
+#include "common/log.h"
+#include "operator/names.h"
+
+namespace diaphane::fleet {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kTelemetry{1000};
+/// What comes together is planned together.
+constexpr milliseconds kGather{10};
+/// Of the time, planning takes this part at most.
+constexpr int kPlanningShare = 5;
+constexpr unsigned kWriters = 4;
+
+Seconds wall() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+Controller::Controller(Options options, kube::Transport& transport, api::redis::Client& redis,
+                       Metrics& metrics)
+    : options_(std::move(options)),
+      transport_(transport),
+      api_(transport, kManager),
+      redis_(redis),
+      metrics_(metrics),
+      events_(api_, options_.name_space),
+      carrier_({options_.name_space,
+                [this](Kind kind, const Json& object) {
+                  if (kind == Kind::kFleet) fleets_->wrote(object);
+                  if (kind == Kind::kWorker) workers_->wrote(object);
+                  if (kind == Kind::kPod) pods_->wrote(object);
+                }},
+               api_, events_) {
+  const std::string ours = "/apis/" + std::string(kVersion) + "/namespaces/" + options_.name_space;
+  const auto tell = [this] { changed(); };
+  fleets_ = std::make_unique<kube::Informer<FleetObject>>(
+      watched(ours + "/renderfleets", "renderfleets"), transport, read_fleet, tell);
+  workers_ = std::make_unique<kube::Informer<WorkerObject>>(
+      watched(ours + "/renderworkers", "renderworkers"), transport,
+      [this](const Json& object) { return read_worker(object, templates_); }, tell);
+  pods_ = std::make_unique<kube::Informer<PodObject>>(
+      watched(options_.all_pods ? "/api/v1/pods"
+                                : "/api/v1/namespaces/" + options_.name_space + "/pods",
+              "pods"),
+      transport,
+      [home = options_.name_space](const Json& object) { return read_pod(object, home); }, tell);
+  nodes_ = std::make_unique<kube::Informer<NodeObject>>(watched("/api/v1/nodes", "nodes"),
+                                                        transport, read_node, tell);
+  kube::Leader::Options leader = options_.leader;
+  leader.won = [this] { changed(); };
+  leader_ = std::make_unique<kube::Leader>(std::move(leader), api_);
+  telemetry_ = std::thread([this] { run_telemetry(); });
+  planner_ = std::thread([this] { run_plans(); });
+}
+
+Controller::~Controller() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  planner_.join();
+  telemetry_.join();
+  leader_.reset();
+  // The watches wait for bytes: they end with the wire.
+  transport_.stop();
+}
+
+kube::Reflector::Options Controller::watched(const std::string& path, const char* kind) const {
+  kube::Reflector::Options options;
+  options.path = path;
+  options.kind = kind;
+  options.home = options_.name_space;
+  return options;
+}
+
+bool Controller::listed() const {
+  return fleets_->store().listed() && workers_->store().listed() && pods_->store().listed() &&
+         nodes_->store().listed();
+}
+
+bool Controller::connected() const {
+  return fleets_->reflector().connected() && workers_->reflector().connected() &&
+         pods_->reflector().connected() && nodes_->reflector().connected();
+}
+
+void Controller::changed() {
+  {
+    const std::lock_guard lock(mutex_);
+    changed_ = true;
+  }
+  wake_.notify_all();
+}
+
+bool Controller::wait_for_change(nanoseconds least, nanoseconds most) {
+  std::unique_lock lock(mutex_);
+  wake_.wait_for(lock, least, [this] { return stopping_; });
+  wake_.wait_for(lock, std::max(nanoseconds(0), most - least),
+                 [this] { return stopping_ || changed_; });
+  changed_ = false;
+  return !stopping_;
+}
+
+Snapshot Controller::observe() const {
+  return snapshot_of(fleets_->store().all(), workers_->store().all(), pods_->store().all(),
+                     nodes_->store().all(), wall());
+}
+
+void Controller::run_plans() {
+  nanoseconds next = kTelemetry;
+  nanoseconds least = kGather;
+  while (wait_for_change(least, next)) {
+    report();
+    next = kTelemetry;
+    if (!listed() || !leader_->leads()) continue;
+    const auto begun = steady_clock::now();
+    Snapshot seen = observe();
+    seen.world.complete = true;
+    book_.fill(seen.world);
+    const Plan made =
+        plan(seen.world, static_cast<std::uint64_t>(begun.time_since_epoch().count()));
+    const nanoseconds spent = steady_clock::now() - begun;
+    metrics_.planned(std::chrono::duration<double>(spent).count());
+    least = std::max<nanoseconds>(kGather, spent * (kPlanningShare - 1));
+    carry_out_all(made, seen);
+    if (made.requeue_after) {
+      next = std::chrono::duration_cast<nanoseconds>(
+          std::chrono::duration<double>(std::clamp(*made.requeue_after, 0.001, 60.0)));
+    }
+    const std::lock_guard lock(work_mutex_);
+    // What failed is tried again with a plan of what there is then.
+    if (const auto due = queue_.next()) {
+      next = std::clamp<nanoseconds>(*due - steady_clock::now(), nanoseconds(1), next);
+    }
+  }
+}
+
+void Controller::carry_out_all(const Plan& made, const Snapshot& seen) {
+  {
+    const std::lock_guard lock(work_mutex_);
+    todo_.clear();
+    auto due = steady_clock::now();
+    for (const Action& action : made.actions) {
+      auto& actions = todo_[key_of(action)];
+      if (actions.empty()) queue_.add(key_of(action), due);
+      actions.push_back(&action);
+      due += nanoseconds(1);  // the plan's order
+    }
+  }
+  if (made.actions.empty()) return work(seen);
+  const auto count = std::min<std::size_t>(kWriters, made.actions.size());
+  std::vector<std::jthread> writers;
+  for (std::size_t i = 1; i < count; ++i) writers.emplace_back([&] { work(seen); });
+  work(seen);
+}
+
+void Controller::work(const Snapshot& seen) {
+  for (;;) {
+    std::string key;
+    std::vector<const Action*> actions;
+    {
+      const std::lock_guard lock(work_mutex_);
+      const auto taken = queue_.take(steady_clock::now());
+      if (!taken) return;
+      key = *taken;
+      const auto found = todo_.find(key);
+      if (found == todo_.end()) {
+        // It failed, and the plan wants nothing of it any more.
+        queue_.forget(key);
+        queue_.done(key);
+        continue;
+      }
+      actions = found->second;
+    }
+    Result<void> done = fail(ErrorCode::kUnavailable, "does not lead", "NotLeading");
+    // A process that stood still finds out here that another leads.
+    if (leader_->leads()) done = carrier_.carry_out(actions, seen);
+    for (const Action* action : actions) metrics_.action(name_of(*action), done.has_value());
+    const std::lock_guard lock(work_mutex_);
+    if (done) {
+      queue_.forget(key);
+    } else {
+      const bool expected = done.error().code == ErrorCode::kConflict;
+      log::write(expected ? log::Level::kInfo : log::Level::kWarning, "action_failed",
+                 {{"action", name_of(*actions.front())},
+                  {"object", key},
+                  {"reason", done.error().field},
+                  {"message", done.error().message}});
+      queue_.failed(key, steady_clock::now());
+    }
+    queue_.done(key);
+  }
+}
+
+std::vector<Draining> Controller::draining(const Snapshot& seen) const {
+  std::vector<Draining> told;
+  if (!leader_->leads()) return told;
+  for (const Pod& pod : seen.world.pods) {
+    const auto found = seen.index.find(pod.owner_uid);
+    if (!pod.owned || found == seen.index.end()) continue;
+    const Worker& worker = seen.world.workers[static_cast<std::size_t>(found->second)];
+    if (!worker.drain && !worker.deleted) continue;
+    told.push_back({pod.name, owner_text(worker.fleet, worker.uid, pod.epoch)});
+  }
+  return told;
+}
+
+void Controller::run_telemetry() {
+  for (;;) {
+    {
+      std::unique_lock lock(mutex_);
+      if (wake_.wait_for(lock, kTelemetry, [this] { return stopping_; })) return;
+    }
+    if (!listed()) {
+      redis_answers_ = redis_.answers(milliseconds(500));
+      continue;
+    }
+    const Snapshot seen = observe();
+    std::vector<std::string> names;
+    for (const Fleet& fleet : seen.world.fleets) names.push_back(fleet.name);
+    const auto answer = ask_fleets(redis_, names, draining(seen));
+    if (redis_answers_ != answer.has_value()) {
+      log::info(answer ? "redis_connected" : "redis_lost");
+    }
+    redis_answers_ = answer.has_value();
+    if (!answer) continue;
+    const Seconds now = wall();
+    book_.note(read_telemetry(*answer, names, now), now);
+    changed();
+  }
+}
+
+void Controller::report() {
+  metrics_.leads(leader_->leads());
+  for (const kube::Reflector* one :
+       {&fleets_->reflector(), &workers_->reflector(), &pods_->reflector(), &nodes_->reflector()}) {
+    metrics_.watch(one->kind(), one->counts());
+  }
+}
+
+}  // namespace diaphane::fleet

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+
+namespace diaphane::kube {
+
+/// How long to wait after a failure: doubled with each, with jitter, and begun anew when the one
+/// before is long ago. The numbers are those of client-go's reflector.
+class Backoff {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  struct Options {
+    std::chrono::milliseconds first{800};
+    std::chrono::milliseconds longest{30000};  ///< before jitter
+    std::chrono::milliseconds forgotten{120000};
+  };
+
+  Backoff() = default;
+  explicit Backoff(Options options) : options_(options) {}
+
+  /// `random` in [0, 1): up to as much again is added, so that many who failed together do not come
+  /// back together.
+  std::chrono::milliseconds next(Time now, double random);
+
+ private:
+  Options options_;
+  std::optional<Time> last_;
+  std::chrono::milliseconds delay_{0};
+};
+
+}  // namespace diaphane::kube

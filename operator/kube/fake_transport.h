@@ -1,0 +1,69 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <vector>
+
+#include "operator/kube/transport.h"
+
+namespace diaphane::kube {
+
+/// Answers in the order in which they were put in; a call that has none waits until it is stopped.
+/// For faults that a real server cannot be made to show at will.
+class FakeTransport final : public Transport {
+ public:
+  struct Answer {
+    int status = 200;  ///< 0: the connection breaks
+    std::string body;
+    bool stays_open = false;  ///< of a stream: it goes on, silently, until it is stopped
+  };
+
+  void put(Answer answer) {
+    const std::lock_guard lock(mutex_);
+    answers_.push_back(std::move(answer));
+    changed_.notify_all();
+  }
+  std::vector<Request> asked() const {
+    const std::lock_guard lock(mutex_);
+    return asked_;
+  }
+
+  Result<Response> call(const Request& request, std::chrono::milliseconds) override {
+    return next(request, nullptr);
+  }
+  Result<Response> stream(const Request& request, std::chrono::milliseconds,
+                          const std::function<bool(std::string_view)>& bytes) override {
+    return next(request, &bytes);
+  }
+  void stop() override {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  Result<Response> next(const Request& request,
+                        const std::function<bool(std::string_view)>* bytes) {
+    std::unique_lock lock(mutex_);
+    asked_.push_back(request);
+    changed_.wait(lock, [this] { return stopped_ || !answers_.empty(); });
+    if (stopped_) return fail(ErrorCode::kUnavailable, "stopped");
+    const Answer answer = std::move(answers_.front());
+    answers_.pop_front();
+    lock.unlock();
+    if (bytes && answer.status == 200 && !(*bytes)(answer.body)) return Response{200, {}};
+    lock.lock();
+    if (answer.stays_open) changed_.wait(lock, [this] { return stopped_; });
+    if (answer.status == 0) return fail(ErrorCode::kUnavailable, "broken");
+    return Response{answer.status, bytes && answer.status == 200 ? "" : answer.body};
+  }
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Answer> answers_;
+  std::vector<Request> asked_;
+  bool stopped_ = false;
+};
+
+}  // namespace diaphane::kube

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "operator/kube/backoff.h"
+#include "operator/kube/store.h"
+#include "operator/kube/transport.h"
+#include "operator/kube/watch.h"
+
+namespace diaphane::kube {
+
+/// What an object is called in a store: its name, with its namespace where that is another than
+/// `home` ("other/name").
+std::string key_of(const nlohmann::json& object, const std::string& home);
+std::string version_of(const nlohmann::json& object);
+
+/// Lists a kind and then watches it, for ever: what fails is tried again, later and later; what was
+/// missed (410) is listed again. Calls its sink from a thread of its own.
+class Reflector {
+ public:
+  struct Sink {
+    virtual ~Sink() = default;
+    virtual void list_begins() = 0;
+    virtual void listed(const nlohmann::json& object) = 0;
+    virtual void list_ends(const std::string& version) = 0;
+    /// Added, modified, deleted or a bookmark.
+    virtual void event(const WatchEvent& event) = 0;
+  };
+  struct Options {
+    std::string path;      ///< of the collection
+    std::string selector;  ///< encoded query, or empty
+    std::string kind;      ///< as logs and metrics say it
+    std::string home;      ///< namespace whose objects are called by their name alone; see key_of
+    Backoff::Options backoff;
+    std::chrono::seconds shortest_watch{300};  ///< how long one watch is, at random between these
+    std::chrono::seconds longest_watch{600};
+    int page = 500;
+  };
+  struct Counts {
+    std::atomic<std::uint64_t> lists{0}, watches{0}, failures{0}, expired{0}, events{0};
+  };
+
+  Reflector(Options options, Transport& transport, Sink& sink);
+  /// After the transport was stopped it returns at once.
+  ~Reflector();
+  Reflector(const Reflector&) = delete;
+  Reflector& operator=(const Reflector&) = delete;
+
+  const Counts& counts() const { return counts_; }
+  const std::string& kind() const { return options_.kind; }
+  const std::string& home() const { return options_.home; }
+  /// The last list or watch was answered.
+  bool connected() const { return connected_; }
+
+ private:
+  enum class Outcome { kGoOn, kListAgain, kFailed };
+  void run();
+  Outcome list(std::string& version);
+  Outcome watch(std::string& version);
+  bool wait(std::chrono::milliseconds time);
+  double random();
+
+  const Options options_;
+  Transport& transport_;
+  Sink& sink_;
+  Counts counts_;
+  std::atomic<bool> connected_{false};
+  std::mt19937_64 random_{std::random_device{}()};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+/// A reflector and the store that it fills. `read` makes a T of an object; nothing: not of
+/// interest.
+template <typename T>
+class Informer final : private Reflector::Sink {
+ public:
+  using Read = std::function<std::optional<T>(const nlohmann::json&)>;
+  Informer(Reflector::Options options, Transport& transport, Read read,
+           std::function<void()> changed)
+      : read_(std::move(read)),
+        changed_(std::move(changed)),
+        reflector_(std::move(options), transport, *this) {}
+
+  Store<T>& store() { return store_; }
+  const Store<T>& store() const { return store_; }
+  const Reflector& reflector() const { return reflector_; }
+  /// The answer to a write of ours.
+  void wrote(const nlohmann::json& object) {
+    if (auto one = read_(object)) store_.wrote(std::move(*one));
+  }
+
+ private:
+  void list_begins() override { listing_.clear(); }
+  void listed(const nlohmann::json& object) override {
+    if (auto one = read_(object)) listing_.push_back(std::move(*one));
+  }
+  void list_ends(const std::string& version) override {
+    store_.replace(std::move(listing_), version);
+    listing_ = {};
+    changed_();
+  }
+  void event(const WatchEvent& event) override {
+    const std::string version = version_of(event.object);
+    if (event.type == WatchEvent::Type::kBookmark) return store_.bookmark(version);
+    auto one = event.type == WatchEvent::Type::kDeleted ? std::nullopt : read_(event.object);
+    if (one) {
+      store_.changed(std::move(*one));
+    } else {
+      store_.deleted(key_of(event.object, reflector_.home()), version);
+    }
+    changed_();
+  }
+
+  Read read_;
+  std::function<void()> changed_;
+  Store<T> store_;
+  std::vector<T> listing_;  // of the reflector's thread
+  Reflector reflector_;     // last: it calls
+};
+
+}  // namespace diaphane::kube

@@ -1,0 +1,163 @@
+#include "operator/kube/leader.h"
+
+#include "common/log.h"
+
+namespace diaphane::kube {
+namespace {
+
+using nlohmann::json;
+using std::chrono::steady_clock;
+
+double wall() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+template <typename T>
+T value_of(const json& object, const char* part, const char* key, T fallback) {
+  const auto found = object.find(part);
+  if (found == object.end() || !found->is_object()) return fallback;
+  const auto value = found->find(key);
+  if (value == found->end() || value->is_null()) return fallback;
+  try {
+    return value->template get<T>();
+  } catch (const json::exception&) {
+    return fallback;
+  }
+}
+
+}  // namespace
+
+json lease_object(const std::string& name, const LeaseRecord& record) {
+  json object = {{"apiVersion", "coordination.k8s.io/v1"},
+                 {"kind", "Lease"},
+                 {"metadata", {{"name", name}}},
+                 {"spec",
+                  {{"holderIdentity", record.holder},
+                   {"leaseDurationSeconds", record.duration.count()},
+                   {"acquireTime", record.acquired},
+                   {"renewTime", record.renewed},
+                   {"leaseTransitions", record.transitions}}}};
+  if (!record.version.empty()) object["metadata"]["resourceVersion"] = record.version;
+  return object;
+}
+
+LeaseRecord lease_record(const json& object) {
+  LeaseRecord record;
+  record.version = value_of<std::string>(object, "metadata", "resourceVersion", "");
+  record.holder = value_of<std::string>(object, "spec", "holderIdentity", "");
+  record.duration = std::chrono::seconds(value_of(object, "spec", "leaseDurationSeconds", 15));
+  record.transitions = value_of(object, "spec", "leaseTransitions", 0);
+  record.acquired = value_of<std::string>(object, "spec", "acquireTime", "");
+  record.renewed = value_of<std::string>(object, "spec", "renewTime", "");
+  return record;
+}
+
+Leader::Leader(Options options, Api& api)
+    : options_(std::move(options)), api_(api), decision_(options_.lease) {
+  thread_ = std::thread([this] { run(); });
+}
+
+Leader::~Leader() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+  if (leads()) give_back();
+}
+
+bool Leader::leads() const {
+  const std::lock_guard lock(mutex_);
+  return decision_.leads(steady_clock::now());
+}
+
+void Leader::run() {
+  std::unique_lock lock(mutex_);
+  while (!stopping_) {
+    LeaseDecision::Step step = decision_.step(steady_clock::now());
+    const bool led = decision_.has_led();
+    if (step == LeaseDecision::Step::kLost) {
+      log::error("lease_lost");
+      lock.unlock();
+      return options_.lost();
+    }
+    lock.unlock();
+    if (!led) look();
+    lock.lock();
+    step = decision_.step(steady_clock::now());
+    lock.unlock();
+    if (step == LeaseDecision::Step::kCreate || step == LeaseDecision::Step::kAcquire ||
+        step == LeaseDecision::Step::kRenew) {
+      write(led);
+    }
+    lock.lock();
+    const double random = std::uniform_real_distribution<double>(0, 1)(random_);
+    changed_.wait_for(lock, decision_.pause(random), [this] { return stopping_; });
+  }
+}
+
+void Leader::look() {
+  const auto read = api_.get(options_.path + "/" + options_.name);
+  const std::lock_guard lock(mutex_);
+  if (read) {
+    decision_.observed(lease_record(*read), steady_clock::now());
+  } else if (read.error().code == ErrorCode::kNotFound) {
+    decision_.observed(std::nullopt, steady_clock::now());
+  } else {
+    log::warning("lease_not_read", {{"message", read.error().message}});
+  }
+}
+
+void Leader::write(bool held) {
+  LeaseRecord record;
+  bool create = false;
+  {
+    const std::lock_guard lock(mutex_);
+    create = !decision_.record();
+    if (!create) record = *decision_.record();
+  }
+  const std::string now = kube::time_text(wall());
+  if (!held) {
+    record.acquired = now;
+    if (!create && record.holder != options_.lease.identity) ++record.transitions;
+  }
+  record.holder = options_.lease.identity;
+  record.duration = options_.lease.duration;
+  record.renewed = now;
+  const json object = lease_object(options_.name, record);
+  const auto begun = steady_clock::now();
+  const auto written = create ? api_.create(options_.path, object)
+                              : api_.replace(options_.path + "/" + options_.name, object);
+  if (written) {
+    {
+      const std::lock_guard lock(mutex_);
+      decision_.written(lease_record(*written), begun);
+    }
+    if (!held) {
+      log::info("lease_won", {{"identity", options_.lease.identity}});
+      options_.won();
+    }
+    return;
+  }
+  log::warning("lease_not_written", {{"message", written.error().message}});
+  // Changed by somebody, or not known whether it was: who holds it is read.
+  if (held) look();
+}
+
+void Leader::give_back() {
+  LeaseRecord record;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!decision_.record()) return;
+    record = *decision_.record();
+  }
+  record.holder.clear();
+  record.duration = std::chrono::seconds(1);
+  record.renewed = kube::time_text(wall());
+  if (api_.replace(options_.path + "/" + options_.name, lease_object(options_.name, record))) {
+    log::info("lease_given_back");
+  }
+}
+
+}  // namespace diaphane::kube

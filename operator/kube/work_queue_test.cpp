@@ -1,0 +1,83 @@
+#include "operator/kube/work_queue.h"
+
+#include <gtest/gtest.h>
+
+namespace diaphane::kube {
+namespace {
+
+using namespace std::chrono_literals;
+using Time = WorkQueue::Time;
+
+TEST(WorkQueue, AddedTwiceItComesOnce) {
+  WorkQueue queue;
+  queue.add("a", Time{});
+  queue.add("a", Time{});
+  EXPECT_EQ(queue.take(Time{}), "a");
+  queue.done("a");
+  EXPECT_EQ(queue.take(Time{} + 1h), std::nullopt);
+}
+
+TEST(WorkQueue, AKeyIsWithOneWorkerAtATime) {
+  WorkQueue queue;
+  queue.add("a", Time{});
+  EXPECT_EQ(queue.take(Time{}), "a");
+  queue.add("a", Time{});
+  EXPECT_EQ(queue.take(Time{} + 1h), std::nullopt);
+  queue.done("a");
+  EXPECT_EQ(queue.take(Time{} + 1h), "a");
+}
+
+TEST(WorkQueue, GivesWhatHasBeenDueForLongestFirst) {
+  WorkQueue queue;
+  queue.add("late", Time{} + 2s);
+  queue.add("soon", Time{} + 1s);
+  EXPECT_EQ(queue.take(Time{}), std::nullopt);
+  EXPECT_EQ(queue.next(), Time{} + 1s);
+  EXPECT_EQ(queue.take(Time{} + 3s), "soon");
+  EXPECT_EQ(queue.take(Time{} + 3s), "late");
+}
+
+TEST(WorkQueue, OfTwoTimesTheEarlierHolds) {
+  WorkQueue queue;
+  queue.add("a", Time{} + 9s);
+  queue.add("a", Time{} + 1s);
+  queue.add("a", Time{} + 5s);
+  EXPECT_EQ(queue.next(), Time{} + 1s);
+}
+
+TEST(WorkQueue, WhatFailsComesBackLaterAndLater) {
+  WorkQueue queue;
+  Time now{};
+  std::chrono::milliseconds pause = 5ms;
+  for (int i = 0; i < 20; ++i) {
+    queue.add("a", now);
+    now = std::max(now, queue.next().value_or(now));
+    ASSERT_EQ(queue.take(now), "a");
+    queue.failed("a", now);
+    queue.done("a");
+    // Neither a new reason nor looking often makes it come before its pause is over.
+    queue.add("a", now);
+    EXPECT_EQ(queue.next(), now + pause) << i;
+    EXPECT_EQ(queue.take(now + pause - 1ms), std::nullopt);
+    pause = std::min(2 * pause, WorkQueue::kLongest);
+  }
+  EXPECT_EQ(pause, 1000s);
+}
+
+TEST(WorkQueue, SuccessEndsTheCountOfFailuresOfThatKeyAlone) {
+  WorkQueue queue;
+  for (const char* key : {"a", "b"}) {
+    queue.add(key, Time{});
+    ASSERT_EQ(queue.take(Time{}), key);
+    queue.failed(key, Time{});
+    queue.done(key);
+  }
+  ASSERT_EQ(queue.take(Time{} + 1s), "a");
+  queue.forget("a");
+  queue.done("a");
+  EXPECT_EQ(queue.failures("a"), 0);
+  EXPECT_EQ(queue.failures("b"), 1);
+}
+
+}  // namespace
+}  // namespace diaphane::kube

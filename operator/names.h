@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+// What the operator calls things, on the cluster and in Redis; helm/diaphane/crds has the schemas.
+
+namespace diaphane::fleet {
+
+inline constexpr std::string_view kGroup = "diaphane.dev";
+inline constexpr const char* kVersion = "diaphane.dev/v1alpha1";
+inline constexpr const char* kFinalizer = "diaphane.dev/drain";
+inline constexpr const char* kFleetLabel = "diaphane.dev/fleet";
+inline constexpr const char* kWorkerLabel = "diaphane.dev/worker";
+inline constexpr const char* kEpochAnnotation = "diaphane.dev/epoch";
+inline constexpr const char* kManager = "diaphane-operator";
+inline constexpr const char* kGpu = "nvidia.com/gpu";
+inline constexpr const char* kContainer = "renderd";
+
+/// Whose a worker in Redis is: its fleet, the uid of its RenderWorker, the epoch of its pod
+/// ("skull/7f.../3"). renderd says it with each heartbeat and knows nothing of what it means.
+inline std::string owner_text(const std::string& fleet, const std::string& uid, long long epoch) {
+  return fleet + "/" + uid + "/" + std::to_string(epoch);
+}
+
+}  // namespace diaphane::fleet

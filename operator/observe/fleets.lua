@@ -1,0 +1,49 @@
+-- What the workers of fleets said last, whom to tell that it drains, and how much is asked for (docs/contracts.md).
+--
+-- ARGV: number of fleets, their names, then worker and owner of each RenderWorker that drains
+-- Returns {now ms, refused in the last seconds, {last used ms of each fleet}, {worker, ...}}, a worker being
+--   {owner, ms since its sample, busy, memory, sessions, used, slots, error, draining, idle since ms}.
+-- The keys of workers are not known beforehand, so none are declared: this wants one Redis, not a Redis Cluster.
+local kDrainMs = 10000
+local kRefusedMs = 5000
+
+local time = redis.call('TIME')
+local now = tonumber(time[1]) * 1000 + math.floor(tonumber(time[2]) / 1000)
+
+-- For the pod of this owner alone: the next of its name is another.
+local count = tonumber(ARGV[1])
+for i = count + 2, #ARGV, 2 do
+  redis.call('SET', 'diaphane:worker:' .. ARGV[i] .. ':drain', ARGV[i + 1], 'PX', kDrainMs)
+end
+
+redis.call('ZREMRANGEBYSCORE', 'diaphane:refused', '-inf', now - kRefusedMs)
+local refused = redis.call('ZCARD', 'diaphane:refused')
+
+local workers = {}
+local taken = {}
+for _, id in ipairs(redis.call('SMEMBERS', 'diaphane:workers')) do
+  local w = redis.call('HMGET', 'diaphane:worker:' .. id, 'owner', 'sampled', 'load', 'memory', 'live', 'used',
+                       'slots', 'error', 'draining', 'idle_since')
+  if w[1] then
+    local sessions = 0
+    for _ in string.gmatch(w[5] or '', '[^,]+') do sessions = sessions + 1 end
+    workers[#workers + 1] = {w[1], tostring(now - (tonumber(w[2]) or 0)), w[3] or '0', w[4] or '0',
+                             tostring(sessions), w[6] or '0', w[7] or '0', w[8] or '0', w[9] or '0',
+                             w[10] or tostring(now)}
+    local fleet = string.match(w[1], '^[^/]+')
+    if fleet then taken[fleet] = (taken[fleet] or 0) + (tonumber(w[6]) or 0) end
+  end
+end
+
+-- Kept here, so that the next leader knows it too.
+local last = {}
+for i = 2, count + 1 do
+  local key = 'diaphane:fleet:' .. ARGV[i] .. ':last_used'
+  if refused > 0 or (taken[ARGV[i]] or 0) > 0 then
+    redis.call('SET', key, now)
+  else
+    redis.call('SETNX', key, now)
+  end
+  last[#last + 1] = redis.call('GET', key)
+end
+return {tostring(now), tostring(refused), last, workers}

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <unordered_map>
+
+#include "operator/plan/world.h"
+
+// Objects of the Kubernetes API as the plan knows them. What is missing or odd in one is left at
+// its default: the API server has checked what it stored, and one strange object stops nothing.
+
+namespace diaphane::fleet {
+
+using Json = nlohmann::json;
+using Template = std::shared_ptr<const Json>;
+
+struct FleetObject {
+  std::string name, uid, version;
+  Fleet fleet;
+  Template pods;
+};
+struct WorkerObject {
+  std::string name, uid, version;
+  Worker worker;
+  Template pods;  ///< that it was made with: its fleet may have another by now
+};
+struct PodObject {
+  std::string name, uid, version;
+  Pod pod;
+  bool ours = false;  ///< with our label, or owned by a RenderWorker
+  int gpus = 0;       ///< that it holds on `pod.node`, when nobody of ours owns it
+};
+struct NodeObject {
+  std::string name, uid, version;
+  Node node;
+};
+
+/// The same template is held once, however many workers were made with it. Thread-safe.
+class Templates {
+ public:
+  Template intern(const std::string& hash, const Json& pods);
+
+ private:
+  std::mutex mutex_;
+  std::unordered_map<std::string, std::weak_ptr<const Json>> known_;
+};
+
+std::optional<FleetObject> read_fleet(const Json& object);
+std::optional<WorkerObject> read_worker(const Json& object, Templates& templates);
+std::optional<PodObject> read_pod(const Json& object, const std::string& home);
+std::optional<NodeObject> read_node(const Json& object);
+
+/// Of what a pod of this fleet is made of: workers with another are outdated.
+std::string template_hash(const Json& pods, int slots);
+/// "90s", "1h30m", "250ms"; nothing for what is none.
+std::optional<Seconds> duration_of(const std::string& text);
+
+}  // namespace diaphane::fleet

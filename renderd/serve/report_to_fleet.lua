@@ -1,0 +1,33 @@
+-- Beside the heartbeat of a worker that an operator made: what is asked of it, and what the operator wants to know
+-- (docs/contracts.md, Redis).
+-- KEYS: 1 set of workers, 2 hash of this worker, 3 what it is told
+-- ARGV: 1 worker id, 2 incarnation, 3 owner, 4 memory (of the device, 0..1), 5 error (of all its pictures, summed)
+-- Returns -1: it goes on. 0 or more: it drains, and so many sessions find a place elsewhere now.
+local before = redis.call('HMGET', KEYS[2], 'incarnation', 'used', 'idle_since', 'live')
+if before[1] ~= ARGV[2] then return -1 end
+local clock = redis.call('TIME')
+local now = clock[1] * 1000 + math.floor(clock[2] / 1000)
+
+redis.call('HSET', KEYS[2], 'owner', ARGV[3], 'memory', ARGV[4], 'error', ARGV[5], 'sampled', now)
+if before[2] ~= '0' then
+  redis.call('HDEL', KEYS[2], 'idle_since')
+elseif not before[3] then
+  redis.call('HSET', KEYS[2], 'idle_since', now)
+end
+
+-- Told to the pod before this one, it is not meant for this one.
+if redis.call('GET', KEYS[3]) ~= ARGV[3] then return -1 end
+redis.call('HSET', KEYS[2], 'draining', '1')
+local room = 0
+if before[4] and before[4] ~= '' then
+  for _, id in ipairs(redis.call('SMEMBERS', KEYS[1])) do
+    if id ~= ARGV[1] then
+      local w = redis.call('HMGET', 'diaphane:worker:' .. id, 'slots', 'draining')
+      if w[1] and w[2] ~= '1' then
+        local used = redis.call('ZCOUNT', 'diaphane:worker:' .. id .. ':sessions', now, '+inf')
+        room = room + math.max(0, tonumber(w[1]) - used)
+      end
+    end
+  end
+end
+return room

@@ -1,0 +1,246 @@
+"""The operator's own program before the real control plane, and workers that beat as renderd does, by its own scripts."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import secrets
+import signal
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+import httpx
+import redis as redis_client
+from conftest import wait_for
+from plane import Plane
+
+from house import paths, ports
+from house.processes import Identity, end
+from house.stack import WITHOUT_CORE_FILES
+
+GROUP = "/apis/diaphane.dev/v1alpha1"
+BUILD = Path(os.environ.get("DIAPHANE_BUILD", paths.REPO / "build" / "release"))
+_SCRIPTS = paths.REPO / "renderd" / "serve"
+_numbers = itertools.count(1)
+
+#: What the operator may, as the chart gives it (helm/diaphane/templates/operator.yaml).
+RULES = [
+    {"apiGroups": ["diaphane.dev"], "resources": ["renderfleets"], "verbs": ["get", "list", "watch", "patch", "update"]},
+    {"apiGroups": ["diaphane.dev"], "resources": ["renderworkers"], "verbs": ["get", "list", "watch", "create", "patch", "update", "delete"]},
+    {"apiGroups": ["diaphane.dev"], "resources": ["renderfleets/status", "renderworkers/status"], "verbs": ["get", "patch"]},
+    {"apiGroups": ["diaphane.dev"], "resources": ["renderfleets/finalizers", "renderworkers/finalizers"], "verbs": ["update"]},
+    {"apiGroups": [""], "resources": ["pods"], "verbs": ["get", "list", "watch", "create", "patch", "delete"]},
+    {"apiGroups": [""], "resources": ["events"], "verbs": ["create", "patch"]},
+    {"apiGroups": ["coordination.k8s.io"], "resources": ["leases"], "verbs": ["create", "get", "update"]},
+]
+
+
+class Redis:
+    """A Redis of the test's own."""
+
+    def __init__(self, folder: Path, run_as):
+        self.port = next(iter(ports.random_free().values()))
+        self.process = subprocess.Popen([*WITHOUT_CORE_FILES, "/usr/bin/redis-server", "--port", str(self.port), "--bind", "127.0.0.1",
+                                         "--save", "", "--appendonly", "no", "--dir", str(folder)],
+                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True, **run_as.popen())
+        self.client = redis_client.Redis(port=self.port, decode_responses=True)
+        wait_for(self._answers, "Redis")
+
+    def _answers(self) -> bool:
+        try:
+            return self.client.ping()
+        except redis_client.ConnectionError:
+            return False
+
+    def stop(self) -> None:
+        self.process.kill()
+        self.process.wait()
+
+
+class Beats:
+    """Each running pod beats, as the renderd in it would."""
+
+    def __init__(self, cluster: Cluster):
+        self.cluster = cluster
+        self.sessions: dict[str, list[str]] = {}
+        self.silent: set[str] = set()
+        self.told: dict[str, float] = {}
+        self.stopping = threading.Event()
+        self.heartbeat = cluster.redis.client.register_script((_SCRIPTS / "heartbeat.lua").read_text(encoding="utf-8"))
+        self.report = cluster.redis.client.register_script((_SCRIPTS / "report_to_fleet.lua").read_text(encoding="utf-8"))
+        self.thread = threading.Thread(target=self._run, daemon=True)
+        self.thread.start()
+
+    def _run(self) -> None:
+        while not self.stopping.wait(0.5):
+            try:
+                for pod in self.cluster.pods():
+                    if pod["status"].get("phase") == "Running" and pod["metadata"]["name"] not in self.silent:
+                        self._beat(pod)
+            except (httpx.HTTPError, redis_client.RedisError):
+                pass
+
+    def _beat(self, pod: dict) -> None:
+        container = next(one for one in pod["spec"]["containers"] if one["name"] == "renderd")
+        env = {one["name"]: one.get("value", "") for one in container.get("env", [])}
+        owner = env.get("DIAPHANE_OWNER")
+        if not owner:
+            return
+        name = env["DIAPHANE_WORKER_ID"]
+        key = f"diaphane:worker:{name}"
+        live = self.sessions.get(name, [])
+        uid = pod["metadata"]["uid"]
+        draining = "1" if uid in self.told else "0"
+        sessions = [word for one in live for word in (one, "1")]
+        self.heartbeat(keys=["diaphane:workers", key, key + ":sessions"],
+                       args=[name, uid, f"{uid}:1", "cpu", "test", env["DIAPHANE_SLOTS"], draining, str(0.1 * len(live)), "",
+                             "diaphane:session:", *sessions])
+        room = self.report(keys=["diaphane:workers", key, key + ":drain"], args=[name, uid, owner, "0.1", "0.2"])
+        if int(room) >= 0:
+            self.told.setdefault(uid, time.monotonic())
+
+    def stop(self) -> None:
+        self.stopping.set()
+        self.thread.join()
+
+
+class Operator:
+    """One process of diaphane-operator."""
+
+    def __init__(self, cluster: Cluster, number: int):
+        self.cluster = cluster
+        self.name = f"operator-{number}"
+        self.admin = next(iter(ports.random_free().values()))
+        self.log = cluster.folder / f"{cluster.namespace}-{self.name}.log"
+        plane = cluster.plane
+        env = {"PATH": "/usr/bin:/bin", "LANG": "C.UTF-8", "DIAPHANE_NAMESPACE": cluster.namespace, "DIAPHANE_KUBE_SERVER": plane.server,
+               "DIAPHANE_KUBE_TOKEN_FILE": str(cluster.token_file), "DIAPHANE_KUBE_CA_FILE": str(plane.folder / "ca.crt"),
+               "DIAPHANE_REDIS": f"127.0.0.1:{cluster.redis.port}", "DIAPHANE_ADMIN_PORT": str(self.admin), "DIAPHANE_IDENTITY": self.name}
+        with open(self.log, "ab") as out:
+            self.process = subprocess.Popen([*WITHOUT_CORE_FILES, str(BUILD / "bin" / "diaphane-operator")], env=env, cwd="/", stdin=subprocess.DEVNULL,
+                                            stdout=out, stderr=out, start_new_session=True)
+        self.identity = Identity.of(self.process.pid)
+
+    def ready(self) -> dict:
+        try:
+            return httpx.get(f"http://127.0.0.1:{self.admin}/readyz", timeout=5, trust_env=False).json()
+        except (httpx.HTTPError, ValueError):
+            return {}
+
+    def alive(self) -> bool:
+        return self.process.poll() is None
+
+    def metrics(self) -> str:
+        return httpx.get(f"http://127.0.0.1:{self.admin}/metrics", timeout=5, trust_env=False).text
+
+    def pause(self, on: bool = True) -> None:
+        self.identity.send(signal.SIGSTOP if on else signal.SIGCONT)
+
+    def kill(self) -> None:
+        self.identity.send(signal.SIGKILL)
+        self.process.wait()
+
+    def stop(self) -> int:
+        if self.alive():
+            self.pause(on=False)
+            end(self.identity, seconds=10)
+        return self.process.wait()
+
+
+class Cluster:
+    """A namespace with nodes of its own, an account for the operator, a Redis."""
+
+    def __init__(self, plane: Plane, namespace: str, folder: Path):
+        self.plane, self.namespace, self.folder = plane, namespace, folder
+        self.redis = Redis(folder, plane.run_as)
+        self.operators: list[Operator] = []
+        self.allow(RULES)
+        self.token_file = folder / f"{namespace}.token"
+        self.token_file.write_text(plane.service_account_token(namespace, "operator"), encoding="utf-8")
+        self.beats = Beats(self)
+
+    def allow(self, rules: list[dict]) -> None:
+        here = {"namespace": self.namespace}
+        self.plane.apply(
+            {"apiVersion": "v1", "kind": "ServiceAccount", "metadata": {"name": "operator", **here}},
+            {"apiVersion": "rbac.authorization.k8s.io/v1", "kind": "Role", "metadata": {"name": "operator", **here}, "rules": rules},
+            {"apiVersion": "rbac.authorization.k8s.io/v1", "kind": "RoleBinding", "metadata": {"name": "operator", **here},
+             "roleRef": {"apiGroup": "rbac.authorization.k8s.io", "kind": "Role", "name": "operator"},
+             "subjects": [{"kind": "ServiceAccount", "name": "operator", **here}]},
+            {"apiVersion": "rbac.authorization.k8s.io/v1", "kind": "ClusterRole", "metadata": {"name": "diaphane-nodes"},
+             "rules": [{"apiGroups": [""], "resources": ["nodes"], "verbs": ["get", "list", "watch"]}]},
+            {"apiVersion": "rbac.authorization.k8s.io/v1", "kind": "ClusterRoleBinding", "metadata": {"name": f"{self.namespace}-nodes"},
+             "roleRef": {"apiGroup": "rbac.authorization.k8s.io", "kind": "ClusterRole", "name": "diaphane-nodes"},
+             "subjects": [{"kind": "ServiceAccount", "name": "operator", **here}]})
+
+    def operator(self) -> Operator:
+        self.operators.append(Operator(self, next(_numbers)))
+        return self.operators[-1]
+
+    def nodes(self, count: int, gpus: int = 8) -> list[str]:
+        return self.plane.add_nodes(count, gpus, prefix=f"{self.namespace}-{secrets.token_hex(2)}", labels={"pool": self.namespace})
+
+    def fleet(self, name: str = "skull", **spec) -> None:
+        self.plane.apply(self.fleet_object(name, **spec))
+
+    def fleet_object(self, name: str = "skull", **spec) -> dict:
+        container = {"name": "renderd", "image": "diaphane:test", "securityContext": {
+            "allowPrivilegeEscalation": False, "capabilities": {"drop": ["ALL"]}, "runAsNonRoot": True, "seccompProfile": {"type": "RuntimeDefault"}}}
+        return {"apiVersion": "diaphane.dev/v1alpha1", "kind": "RenderFleet", "metadata": {"name": name, "namespace": self.namespace},
+                "spec": {"sessionsPerWorker": 4, "nodeSelector": {"pool": self.namespace},
+                         "template": {"spec": {"containers": [container]}}, **spec}}
+
+    def _get(self, path: str) -> dict:
+        """An API server that has just begun says 429 until it has read its store."""
+        answer = wait_for(lambda: (got := self.plane.api.get(path)).status_code not in (429, 503) and got, "an answer")
+        answer.raise_for_status()
+        return answer.json()
+
+    def _list(self, path: str) -> list[dict]:
+        return self._get(path)["items"]
+
+    def pods(self) -> list[dict]:
+        return self._list(f"/api/v1/namespaces/{self.namespace}/pods")
+
+    def workers(self) -> list[dict]:
+        return self._list(f"{GROUP}/namespaces/{self.namespace}/renderworkers")
+
+    def status(self, name: str = "skull") -> dict:
+        return self._get(f"{GROUP}/namespaces/{self.namespace}/renderfleets/{name}").get("status", {})
+
+    def condition(self, kind: str, name: str = "skull") -> dict:
+        return next((one for one in self.status(name).get("conditions", []) if one["type"] == kind), {})
+
+    def events(self) -> list[dict]:
+        return self._list(f"/api/v1/namespaces/{self.namespace}/events")
+
+    def running(self) -> list[dict]:
+        return [one for one in self.pods() if one["status"].get("phase") == "Running" and "deletionTimestamp" not in one["metadata"]]
+
+    def settled(self, count: int):
+        """So many workers are ready, each with its running pod, and nothing else is there."""
+        def is_so() -> bool:
+            workers, pods = self.workers(), self.pods()
+            return len(workers) == len(pods) == len(self.running()) == count and self.status().get("readyReplicas", 0) == count
+        return wait_for(is_so, f"{count} ready workers")
+
+    def over_committed(self) -> list[str]:
+        """Nodes of the test's own with more reservations than GPUs."""
+        gpus = {one["metadata"]["name"]: int(one["status"]["allocatable"]["nvidia.com/gpu"]) for one in self._list("/api/v1/nodes")}
+        taken: dict[str, int] = {}
+        for worker in self.workers():
+            taken[worker["spec"]["nodeName"]] = taken.get(worker["spec"]["nodeName"], 0) + 1
+        return [node for node, count in taken.items() if count > gpus.get(node, count)]
+
+    def close(self) -> None:
+        for one in self.operators:
+            one.stop()
+        self.beats.stop()
+        self.redis.stop()
+        # Nobody removes the finalizers any more.
+        for kind in ("renderworkers", "renderfleets"):
+            for one in self._list(f"{GROUP}/namespaces/{self.namespace}/{kind}"):
+                self.plane.kubectl("patch", kind, one["metadata"]["name"], "-n", self.namespace, "--type=merge",
+                                   "-p", '{"metadata":{"finalizers":null}}', check=False)

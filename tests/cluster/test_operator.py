@@ -1,0 +1,236 @@
+"""The operator's program before the real API server, scheduler and controller manager; kwok's nodes, and workers that beat as renderd does."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import time
+from pathlib import Path
+
+import pytest
+from conftest import wait_for
+from operator_help import GROUP, RULES, Cluster
+
+from house import logfiles
+
+
+@pytest.fixture
+def cluster(plane, namespace, request):
+    folder = Path(tempfile.mkdtemp(prefix="diaphane-operator-"))
+    plane.run_as.own(folder)
+    made = Cluster(plane, namespace, folder)
+    yield made
+    for one in made.operators:
+        request.node.add_report_section("teardown", one.name, logfiles.tail(one.log, 40))
+    made.close()
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def test_a_fleet_becomes_workers_and_pods_each_on_its_gpu(cluster):
+    nodes = cluster.nodes(2, gpus=2)
+    operator = cluster.operator()
+    cluster.fleet(replicas=4)
+    cluster.settled(4)
+    assert sorted(one["spec"]["nodeName"] for one in cluster.pods()) == sorted(nodes * 2)
+    for pod in cluster.pods():
+        worker = next(one for one in cluster.workers() if one["metadata"]["name"] == pod["metadata"]["name"])
+        assert pod["spec"]["nodeName"] == worker["spec"]["nodeName"]
+        assert pod["metadata"]["ownerReferences"][0]["uid"] == worker["metadata"]["uid"]
+        assert pod["spec"]["containers"][0]["resources"]["limits"]["nvidia.com/gpu"] == "1"
+    assert operator.ready()["ready"] and operator.ready()["leader"]
+    status = cluster.status()
+    assert status["slotsTotal"] == 16 and status["observedGeneration"] == 1
+    assert cluster.condition("Available")["status"] == "True"
+    assert {one["reason"] for one in cluster.events() if one["involvedObject"]["kind"] == "RenderFleet"} == {"Placed"}
+    assert "diaphane_operator_leader 1" in operator.metrics()
+
+
+def test_scaling_up_and_down_and_deleting_leaves_nothing(cluster):
+    cluster.nodes(1, gpus=4)
+    cluster.operator()
+    cluster.fleet(replicas=1)
+    cluster.settled(1)
+    cluster.plane.kubectl("scale", "renderfleet/skull", "--replicas=3", "-n", cluster.namespace)
+    cluster.settled(3)
+    cluster.plane.kubectl("scale", "renderfleet/skull", "--replicas=1", "-n", cluster.namespace)
+    cluster.settled(1)
+    cluster.plane.kubectl("delete", "renderfleet/skull", "-n", cluster.namespace, "--wait=false")
+    wait_for(lambda: not cluster.pods() and not cluster.workers(), "the end of all that was made")
+    wait_for(lambda: cluster.plane.api.get(f"{GROUP}/namespaces/{cluster.namespace}/renderfleets/skull").status_code == 404, "the fleet's end")
+
+
+def test_more_than_the_nodes_have_is_said_and_never_over_committed(cluster):
+    cluster.nodes(2, gpus=1)
+    cluster.operator()
+    cluster.fleet(replicas=5)
+    wait_for(lambda: cluster.condition("CapacityLimited").get("status") == "True" and len(cluster.running()) == 2, "CapacityLimited")
+    assert "3 workers missing" in cluster.condition("CapacityLimited")["message"]
+    assert cluster.over_committed() == [] and len(cluster.workers()) == 2
+
+
+def test_a_cordoned_node_is_drained_and_no_session_is_cut(cluster):
+    first, second = cluster.nodes(2, gpus=1)
+    cluster.operator()
+    cluster.fleet(replicas=1, drainTimeout="10m")
+    cluster.settled(1)
+    pod = cluster.running()[0]
+    on, name = pod["spec"]["nodeName"], pod["metadata"]["name"]
+    cluster.beats.sessions[name] = ["11111111-1111-4111-8111-111111111111"]
+    wait_for(lambda: cluster.status().get("slotsUsed") == 1, "the session in the status")
+    cluster.plane.kubectl("cordon", on)
+    wait_for(lambda: pod["metadata"]["uid"] in cluster.beats.told, "the worker that is told to drain")
+    wait_for(lambda: any(one["spec"]["nodeName"] != on for one in cluster.running()), "the other in its place")
+    time.sleep(6)  # longer than anything but its grace would let it live
+    assert any(one["metadata"]["uid"] == pod["metadata"]["uid"] for one in cluster.running())
+    cluster.beats.sessions[name] = []
+    wait_for(lambda: all(one["metadata"]["uid"] != pod["metadata"]["uid"] for one in cluster.pods()), "the end of the drained pod")
+    cluster.settled(1)
+    assert cluster.running()[0]["spec"]["nodeName"] == (second if on == first else first)
+
+
+def test_what_is_deleted_or_edited_by_hand_is_put_back(cluster):
+    cluster.nodes(1, gpus=2)
+    cluster.operator()
+    cluster.fleet(replicas=1)
+    cluster.settled(1)
+    pod, worker = cluster.running()[0], cluster.workers()[0]
+    name, ns = pod["metadata"]["name"], cluster.namespace
+    cluster.plane.kubectl("label", "pod", name, "diaphane.dev/worker-", "-n", ns)
+    cluster.plane.kubectl("label", "renderworker", name, "diaphane.dev/fleet=other", "--overwrite", "-n", ns)
+    cluster.plane.kubectl("patch", "renderworker", name, "-n", ns, "--type=merge", "-p", '{"metadata":{"finalizers":null,"ownerReferences":null}}')
+
+    def is_put_back() -> bool:
+        now, owner = cluster.workers()[0]["metadata"], worker["metadata"]["ownerReferences"]
+        return (cluster.running()[0]["metadata"]["labels"].get("diaphane.dev/worker") == name and now["labels"]["diaphane.dev/fleet"] == "skull"
+                and now.get("finalizers") == ["diaphane.dev/drain"] and now.get("ownerReferences", [{}])[0].get("uid") == owner[0]["uid"])
+    wait_for(is_put_back, "labels, finalizer and owner")
+    cluster.plane.kubectl("delete", "pod", name, "-n", ns, "--wait=false")
+    wait_for(lambda: any(one["metadata"]["uid"] != pod["metadata"]["uid"] for one in cluster.running()), "another pod")
+    cluster.settled(1)
+    assert cluster.workers()[0]["metadata"]["uid"] == worker["metadata"]["uid"]
+    assert cluster.running()[0]["metadata"]["annotations"]["diaphane.dev/epoch"] == "2"
+
+
+def test_somebody_elses_pod_with_our_label_and_name_is_left_alone(cluster):
+    node, = cluster.nodes(1, gpus=2)
+    foreign = cluster.fleet_object()["spec"]["template"]["spec"]
+    foreign["containers"][0]["resources"] = {"limits": {"nvidia.com/gpu": "1"}}
+    cluster.plane.apply({"apiVersion": "v1", "kind": "Pod", "metadata": {
+        "name": "skull-0", "namespace": cluster.namespace, "labels": {"diaphane.dev/fleet": "skull", "diaphane.dev/worker": "skull-0"}},
+        "spec": {**foreign, "nodeSelector": {"pool": cluster.namespace}}})
+    wait_for(cluster.running, "their pod")
+    theirs = cluster.pods()[0]["metadata"]
+    cluster.operator()
+    cluster.fleet(replicas=2)
+    wait_for(lambda: len(cluster.running()) == 2 and cluster.condition("CapacityLimited").get("status") == "True", "the one GPU that is left")
+    assert [one["metadata"]["name"] for one in cluster.workers()] == ["skull-1"]
+    still = next(one["metadata"] for one in cluster.pods() if one["metadata"]["name"] == "skull-0")
+    assert still["uid"] == theirs["uid"] and "ownerReferences" not in still and "deletionTimestamp" not in still
+
+
+def test_a_leader_that_stood_still_past_its_lease_exits_and_harms_nothing(cluster):
+    cluster.nodes(2, gpus=4)
+    first = cluster.operator()
+    wait_for(lambda: first.ready().get("leader"), "a leader")
+    second = cluster.operator()
+    wait_for(lambda: second.ready().get("ready"), "the other")
+    assert not second.ready()["leader"]
+    cluster.fleet(replicas=3)
+    cluster.settled(3)
+    before = {one["metadata"]["uid"] for one in cluster.pods()}
+    first.pause()
+    wait_for(lambda: second.ready().get("leader"), "the other leader", timeout=60)
+    cluster.plane.kubectl("scale", "renderfleet/skull", "--replicas=5", "-n", cluster.namespace)
+    first.pause(on=False)
+    wait_for(lambda: not first.alive(), "the end of the first")
+    assert first.process.returncode == 75
+    cluster.settled(5)
+    assert before <= {one["metadata"]["uid"] for one in cluster.pods()} and cluster.over_committed() == []
+
+
+def test_the_next_leader_goes_on_where_a_killed_one_ended(cluster):
+    cluster.nodes(2, gpus=4)
+    first = cluster.operator()
+    cluster.fleet(replicas=8)
+    wait_for(cluster.workers, "the first worker")
+    first.kill()
+    second = cluster.operator()
+    cluster.settled(8)
+    assert cluster.over_committed() == []
+    assert second.stop() == 0
+    third = cluster.operator()
+    # Given back, it is not waited for.
+    wait_for(lambda: third.ready().get("leader"), "the third leader", timeout=13)
+
+
+def test_what_a_watch_missed_is_listed_again_after_compaction(cluster):
+    """Its watches are cut while it stands still, and what they would go on from is compacted away (410)."""
+    cluster.nodes(1, gpus=4)
+    leader = cluster.operator()
+    cluster.fleet(replicas=1)
+    cluster.settled(1)
+    # Who does not lead may stand still for as long as it likes.
+    standby = cluster.operator()
+    wait_for(lambda: standby.ready().get("ready"), "the standby")
+    leader.kill()
+    standby.pause()
+    for number in range(10):
+        cluster.plane.kubectl("annotate", "renderfleet/skull", f"note={number}", "--overwrite", "-n", cluster.namespace)
+    cluster.plane.kubectl("scale", "renderfleet/skull", "--replicas=3", "-n", cluster.namespace)
+    cluster.plane.compact()
+    cluster.plane.kill("kube-apiserver")
+    cluster.plane.start_program("kube-apiserver")
+    standby.pause(on=False)
+    cluster.settled(3)
+    assert '"list_again"' in standby.log.read_text(encoding="utf-8")
+
+
+def test_it_lives_through_an_api_server_that_is_away_and_says_so(cluster):
+    cluster.nodes(1, gpus=4)
+    operator = cluster.operator()
+    cluster.fleet(replicas=1)
+    cluster.settled(1)
+    pod = cluster.running()[0]["metadata"]["uid"]
+    standby = cluster.operator()
+    wait_for(lambda: standby.ready().get("ready"), "the standby")
+    cluster.plane.kill("kube-apiserver")
+    try:
+        wait_for(lambda: not standby.ready()["checks"]["kubernetes"], "not ready")
+        assert standby.alive()
+        wait_for(lambda: not operator.alive(), "the leader's end, who cannot renew", timeout=40)
+    finally:
+        cluster.plane.start_program("kube-apiserver")
+    wait_for(lambda: standby.ready().get("leader"), "the standby's lead")
+    cluster.plane.kubectl("scale", "renderfleet/skull", "--replicas=2", "-n", cluster.namespace)
+    cluster.settled(2)
+    assert pod in {one["metadata"]["uid"] for one in cluster.running()}
+
+
+def test_demand_adds_workers_before_the_last_slot_is_taken_and_lets_them_go(cluster):
+    cluster.nodes(1, gpus=4)
+    cluster.operator()
+    cluster.fleet(sessionsPerWorker=2, maxReplicas=4)
+    cluster.settled(1)
+    cluster.beats.sessions["skull-0"] = ["11111111-1111-4111-8111-111111111111", "22222222-2222-4222-8222-222222222222"]
+    cluster.settled(2)
+    assert cluster.status()["slotsUsed"] == 2
+
+
+@pytest.mark.parametrize("kind, verb", [("renderworkers", "create"), ("pods", "create"), ("renderworkers/status", "patch"), ("renderfleets", "list"),
+                                        ("leases", "update")])
+def test_without_one_of_its_rights_it_cannot_do_its_work(cluster, kind, verb):
+    """Each right is needed: taken away, no fleet comes to what it asks for."""
+    cluster.nodes(1, gpus=1)
+    rules = [{**rule, "verbs": list(rule["verbs"])} for rule in RULES]
+    for rule in list(rules):
+        if kind in rule["resources"]:
+            rest = [one for one in rule["resources"] if one != kind]
+            if rest:
+                rules.append({**rule, "resources": rest, "verbs": list(rule["verbs"])})
+            rule["resources"] = [kind]
+            rule["verbs"] = [one for one in rule["verbs"] if one != verb]
+    cluster.allow(rules)
+    operator = cluster.operator()
+    cluster.fleet(replicas=1)
+    wait_for(lambda: "orbidden" in operator.log.read_text(encoding="utf-8"), "a refusal in its log")
+    assert cluster.status().get("readyReplicas", 0) == 0
