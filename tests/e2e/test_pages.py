@@ -109,8 +109,13 @@ def test_everything_works_by_keys_alone(stack: TestStack, visit, cranium: Path):
 
     page.keyboard.press("r")
     wait_for_samples(stack, page, 8, input_seq=bone.input_seq + 1)
+    page.keyboard.press("s")
+    page.get_by_label("Size").select_option("other")
+    page.get_by_label("Width").fill("120")
+    page.get_by_label("Height").fill("80")
+    page.get_by_label("How clean").select_option("quick")
     with page.expect_download() as download:
-        page.keyboard.press("s")
+        page.get_by_label("Height").press("Enter")
     assert download.value.suggested_filename == "diaphane.png"
     assert Path(download.value.path()).read_bytes().startswith(b"\x89PNG")
     page.keyboard.press("?")
