@@ -86,6 +86,7 @@ void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volum
   const std::lock_guard lock(mutex_);
   if (ended_) return;
   volume_ = std::move(*volume);
+  stacks_ = stacks_of(volume_->header());
   presets_ = std::move(presets);
   // A scene that an older program wrote may be refused by this one: better another look than none.
   if (state_.wanted.scene && !check_scene(*state_.wanted.scene)) state_.wanted.scene.reset();
@@ -109,6 +110,10 @@ void LiveSession::receive(std::uint64_t connection, const std::string& bytes) {
     finish_link(connection,
                 {ErrorCode::kInvalid, "The page sent something that is no message.", {}}, true);
     return leave(connection);
+  }
+  if (message.has_slices()) {
+    lock.unlock();
+    return receive_slices(connection, message.slices());
   }
   if (const auto own = branches_.find(connection); own != branches_.end()) {
     // What concerns the pictures is said to the session that he looks at.
@@ -169,6 +174,7 @@ void LiveSession::end(const Error& why) {
     while (!branches_.empty()) branches.push_back(take_branch(branches_.begin()->first));
     while (!links_.empty()) finish_link(links_.begin()->first, why, true);
     handle = std::exchange(runner_handle_, 0);
+    voxels_.reset();
   }
   for (const auto& branch : branches) branch->dismiss();
   if (handle != 0) parts_.runner.remove(handle);
@@ -176,6 +182,7 @@ void LiveSession::end(const Error& why) {
 
 void LiveSession::tick() {
   Lanes poked;
+  std::vector<std::uint64_t> delayed;  // slices, for having been asked for too fast
   {
     const std::lock_guard lock(mutex_);
     const TimePoint now = parts_.clock.now();
@@ -184,6 +191,9 @@ void LiveSession::tick() {
       leave(silent);
     }
     poked = lanes_;
+    for (const Receiver& receiver : state_.audience.receivers) {
+      if (receiver.slices.waiting()) delayed.push_back(receiver.connection);
+    }
     const double seconds = std::chrono::duration<double>(now - stats_since_).count();
     if (seconds >= 1) {
       std::uint64_t skipped = skipped_before_;
@@ -207,6 +217,7 @@ void LiveSession::tick() {
   }
   // One that sets the pace may have stalled, and a key frame may be due, without anybody's word.
   for (const auto& lane : poked) lane->slot->poke();
+  for (const std::uint64_t connection : delayed) send_slices(connection);
   send_tiles();
 }
 
@@ -316,6 +327,7 @@ void LiveSession::send_config(std::uint64_t connection) {
   if (auto histogram = parts_.facts.of(*volume_).histogram; histogram.counts_size() > 0) {
     *config.mutable_histogram() = std::move(histogram);
   }
+  for (const volume::SliceStack& stack : *stacks_) *config.add_slice_stacks() = to_proto(stack);
   if (state_.wanted.scene) *config.mutable_scene() = *state_.wanted.scene;
   config.set_input_seq(state_.wanted.input_seq);
   for (const v1::Preset& preset : presets_) *config.add_presets() = preset;
@@ -395,6 +407,7 @@ void LiveSession::finish_link(std::uint64_t connection, const Error& why, bool w
 
 void LiveSession::leave(std::uint64_t connection) {
   render::detach(state_, connection, parts_.clock.now());
+  if (state_.audience.receivers.empty()) voxels_.reset();
   close_unused_lanes();
   tell_audience();
 }

@@ -16,7 +16,10 @@
 #include "renderd/schedule/runner.h"
 #include "renderd/serve/metrics.h"
 #include "renderd/serve/spent_time.h"
+#include "renderd/session/host_volume.h"
 #include "renderd/session/pictures.h"
+#include "renderd/session/slice_wishes.h"
+#include "renderd/session/volume_cache.h"
 #include "renderd/session/volume_facts.h"
 
 namespace diaphane::render {
@@ -40,6 +43,13 @@ struct Branch {
   Canvas viewport;
 };
 
+/// Where slices are read and coded, apart from pictures: a slice must not wait for one, nor the
+/// other way round.
+struct SliceParts {
+  VolumeCache& voxels;  ///< of HostVolume
+  EncodePool& pool;     ///< each viewer has one slice in it at most
+};
+
 /// What a session needs of the process; all outlive it.
 struct SessionParts {
   Engine& engine;
@@ -54,6 +64,7 @@ struct SessionParts {
   bool mark_frames = false;  ///< for a bench: input_seq in the pixels (encode/frame_mark.h)
   SpentTime& spent;
   const KeptFacts& facts;
+  SliceParts slices;
 };
 
 /// One session: joins the pure state machine to the runner, the encoders and the connections of all
@@ -146,9 +157,17 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void send_tiles();
   void keep_if_last(RenderedPicture& picture);
 
+  // Exact slices: asked for, their voxels loaded when the first is, coded one by one.
+  void receive_slices(std::uint64_t connection, const diaphane::v1::SlicesWanted& wanted);
+  void voxels_ready(Result<VolumeCache::Handle> loaded);
+  void send_slices(std::uint64_t connection);
+  void slice_coded(std::uint64_t connection, const SliceDue& due, Result<std::string> coded);
+
   // All of these under the lock.
   void send(std::uint64_t connection, const diaphane::v1::ServerMessage& message);
   void send_config(std::uint64_t connection);
+  void send_problem(std::uint64_t connection, const Error& why);
+  void load_voxels();
   void send_tile(const TileDue& due, const CodedTile& coded, const Departure& departure);
   /// A frame or a tile, and what is to be told after it.
   void send_departing(const Departure& departure, const diaphane::v1::ServerMessage& message);
@@ -197,6 +216,9 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   };
   std::optional<Last> last_;
   std::shared_ptr<const DeviceVolume> volume_;
+  std::optional<SliceStacks> stacks_;         // once the volume is there
+  std::shared_ptr<const HostVolume> voxels_;  // while somebody is here who wanted slices
+  bool loading_voxels_ = false;
   std::vector<diaphane::v1::Preset> presets_;
   std::uint64_t runner_handle_ = 0;
   bool ended_ = false;

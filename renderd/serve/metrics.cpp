@@ -41,6 +41,8 @@ struct Metrics::Impl {
         frame_bytes(counter(r, "diaphane_renderd_frame_bytes_total", "Bytes of frames sent.")),
         skipped(counter(r, "diaphane_renderd_frames_skipped_total",
                         "Pictures replaced by a newer one before they were sent.")),
+        slices(counter(r, "diaphane_renderd_slices_sent_total", "Exact slices sent to viewers.")),
+        slice_bytes(counter(r, "diaphane_renderd_slice_bytes_total", "Bytes of slices sent.")),
         input_to_frame(latency(r, "diaphane_renderd_input_to_frame_seconds",
                                "From an input to the sending of the first frame that shows it.")),
         volume_bytes(gauge(r, "diaphane_renderd_volume_bytes", "Volumes on the device.")),
@@ -64,6 +66,8 @@ struct Metrics::Impl {
   prometheus::Counter& frames;
   prometheus::Counter& frame_bytes;
   prometheus::Counter& skipped;
+  prometheus::Counter& slices;
+  prometheus::Counter& slice_bytes;
   prometheus::Histogram& input_to_frame;
   prometheus::Gauge& volume_bytes;
   prometheus::Histogram& stills;
@@ -88,6 +92,10 @@ void Metrics::frame_sent(std::size_t bytes) {
 }
 void Metrics::frames_skipped(std::uint64_t count) {
   impl_->skipped.Increment(static_cast<double>(count));
+}
+void Metrics::slice_sent(std::size_t bytes) {
+  impl_->slices.Increment();
+  impl_->slice_bytes.Increment(static_cast<double>(bytes));
 }
 void Metrics::input_to_frame(double seconds) { impl_->input_to_frame.Observe(seconds); }
 void Metrics::volumes(std::uint64_t bytes) { impl_->volume_bytes.Set(static_cast<double>(bytes)); }

@@ -22,6 +22,7 @@ class Metrics {
   void rendered(std::uint32_t samples, double seconds, std::uint64_t dropped);
   void encoded(double seconds);
   void frame_sent(std::size_t bytes);
+  void slice_sent(std::size_t bytes);
   void frames_skipped(std::uint64_t count);
   /// Server side: from the arrival of an input to the sending of the first frame that shows it.
   void input_to_frame(double seconds);

@@ -6,6 +6,7 @@
 
 #include "common/log.h"
 #include "renderd/schedule/policy.h"
+#include "renderd/session/host_volume.h"
 
 namespace diaphane::render {
 namespace {
@@ -22,6 +23,12 @@ Result<VolumeCache::Handle> load_volume(Engine& engine, KeptFacts& facts, const 
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   log::info("volume_loaded", {{"volume", id}, {"ok", loaded.has_value()}, {"seconds", seconds}});
   return loaded;
+}
+
+Result<VolumeCache::Handle> load_voxels(const std::string& store, const std::string& id) {
+  auto volume = volume::read(store + "/" + id, false);
+  if (!volume) return tl::unexpected(volume.error());
+  return std::make_shared<const HostVolume>(std::move(*volume));
 }
 
 /// A disk that does not answer is no reason to end what people look at: only a file that is surely
@@ -55,8 +62,13 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
           },
           options.volume_bytes, 1,
           [store = options.volume_dir](const std::string& id) { return stored_hash(store, id); })),
+      slicers_(std::make_unique<EncodePool>(1)),
+      voxels_(std::make_unique<VolumeCache>(
+          [store = options.volume_dir](const std::string& id) { return load_voxels(store, id); },
+          options.volume_bytes, 1,
+          [store = options.volume_dir](const std::string& id) { return stored_hash(store, id); })),
       host_(std::make_unique<SessionHost>(options.host, *engine_, *runner_, *encoders_, *volumes_,
-                                          facts_, metrics, clock)),
+                                          facts_, SliceParts{*voxels_, *slicers_}, metrics, clock)),
       stills_(std::make_unique<StillService>(*engine_, *runner_, *encoders_, *volumes_, metrics,
                                              clock)),
       assists_(std::make_unique<AssistHost>(AssistHost::Options{options.host.slots}, *engine_,
@@ -73,6 +85,7 @@ void RenderWorker::watch_store(const std::stop_token& stop) {
       log::info("volume_forgotten", {{"volume", id}});
       host_->volume_gone(id);
     }
+    voxels_->forget_unused();
   }
 }
 
@@ -87,6 +100,8 @@ RenderWorker::~RenderWorker() {
   stop();
   // A load or a coding under way still ends in a call to the runner, which only its end forbids.
   volumes_.reset();
+  slicers_.reset();
+  voxels_.reset();
   encoders_.reset();
   runner_.reset();
 }

@@ -50,6 +50,8 @@ class RenderWorker {
   std::unique_ptr<Runner> runner_;
   std::unique_ptr<EncodePool> encoders_;
   std::unique_ptr<VolumeCache> volumes_;
+  std::unique_ptr<EncodePool> slicers_;
+  std::unique_ptr<VolumeCache> voxels_;  ///< in the machine's memory, of those who see slices
   std::unique_ptr<SessionHost> host_;
   std::unique_ptr<StillService> stills_;
   std::unique_ptr<AssistHost> assists_;

@@ -50,14 +50,15 @@ Result<Arrival> arrival_of(const v1::Open& open) {
 }  // namespace
 
 SessionHost::SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
-                         VolumeCache& volumes, const KeptFacts& facts, Metrics& metrics,
-                         const Clock& clock)
+                         VolumeCache& volumes, const KeptFacts& facts, SliceParts slices,
+                         Metrics& metrics, const Clock& clock)
     : options_(options),
       engine_(engine),
       runner_(runner),
       encoders_(encoders),
       volumes_(volumes),
       facts_(facts),
+      slices_(slices),
       metrics_(metrics),
       clock_(clock) {}
 
@@ -123,7 +124,8 @@ SessionParts SessionHost::parts() {
           [this](const LiveSession& group, const Branch& wanted) { return branch(group, wanted); },
           options_.mark_frames,
           spent_,
-          facts_};
+          facts_,
+          slices_};
 }
 
 // Its id is nobody's but this worker's: no ticket leads to it. The heartbeat counts its slot.

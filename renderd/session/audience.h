@@ -13,6 +13,7 @@
 #include "common/result.h"
 #include "renderd/session/flight.h"
 #include "renderd/session/quality.h"
+#include "renderd/session/slice_wishes.h"
 #include "renderd/session/wanted.h"
 
 namespace diaphane::render {
@@ -54,6 +55,7 @@ struct Receiver {
   std::uint64_t newest_input = 0;  ///< of this connection
   TimePoint heard_at{};  ///< attached, last acknowledgement, or frame sent with none outstanding
 
+  SliceWishes slices;                    ///< beside the pictures, and on a window of their own
   std::optional<TimePoint> depth_asked;  ///< last
 
   FlightWindow flight;

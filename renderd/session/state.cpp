@@ -337,6 +337,7 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
       return receive_own_camera(state, *receiver, message.own_camera().on());
     case v1::ClientMessage::kDepthQuery:
       return receive_depth_query(*receiver, message.depth_query(), now);
+    case v1::ClientMessage::kSlices:  // whose voxels are not the state's: LiveSession
     case v1::ClientMessage::BODY_NOT_SET:
       break;
   }

@@ -60,6 +60,21 @@ std::vector<std::string> VolumeCache::forget_outdated() {
   return forgotten;
 }
 
+void VolumeCache::forget_unused() {
+  std::vector<Handle> unused;  // freed outside the lock
+  const std::lock_guard lock(mutex_);
+  for (auto entry = entries_.begin(); entry != entries_.end();) {
+    Handle& volume = entry->second.volume;
+    if (!volume || volume.use_count() != 1) {
+      ++entry;
+      continue;
+    }
+    bytes_ -= volume->device_bytes();
+    unused.push_back(std::move(volume));
+    entry = entries_.erase(entry);
+  }
+}
+
 void VolumeCache::get(const std::string& id, Ready ready) {
   Handle copy;
   {

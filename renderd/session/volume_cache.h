@@ -47,6 +47,9 @@ class VolumeCache {
   /// Their memory is free once nobody holds them.
   std::vector<std::string> forget_outdated();
 
+  /// Forgets what nobody holds, for who does not want to keep it for those who come back.
+  void forget_unused();
+
   std::vector<std::string> loaded() const;
   std::uint64_t bytes() const;
   std::uint64_t loads() const;

@@ -177,5 +177,19 @@ TEST(VolumeCache, CopiesOfWhatTheStoreHasNoMoreAreForgotten) {
   EXPECT_EQ(cache.bytes(), 0U);
 }
 
+TEST(VolumeCache, WhatNobodyHoldsIsForgottenOnRequest) {
+  FakeStore store;
+  VolumeCache cache(store.load, 1000, 1, store.stored);
+  {
+    const auto held = wait_for(cache, "a");
+    wait_for(cache, "b");
+    // The loading thread holds what it has just handed over for a moment more.
+    while (cache.bytes() > 100) cache.forget_unused();
+    EXPECT_EQ(cache.loaded(), std::vector<std::string>{"a"});
+  }
+  while (cache.bytes() > 0) cache.forget_unused();
+  EXPECT_TRUE(cache.loaded().empty());
+}
+
 }  // namespace
 }  // namespace diaphane::render

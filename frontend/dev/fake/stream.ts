@@ -62,7 +62,7 @@ export function serve_stream(socket: WebSocket, session: FakeSession): void {
     const { body } = fromBinary(ClientMessageSchema, new Uint8Array(raw as Buffer));
     if (body.case === "hello") {
       size = body.value.viewport ?? size;
-      say({ case: "config", value: { $typeName: "diaphane.v1.Config", protocol: 1, sessionId: "s", codec: Codec.JPEG, engine: "cpu", device: "2 CPU threads", scene: session.scene, inputSeq: session.input_seq, follower: false, volume, histogram,
+      say({ case: "config", value: { $typeName: "diaphane.v1.Config", protocol: 1, sessionId: "s", codec: Codec.JPEG, engine: "cpu", device: "2 CPU threads", scene: session.scene, inputSeq: session.input_seq, follower: false, volume, histogram, sliceStacks: [],
         presets: Object.keys(colours).map((name) => ({ $typeName: "diaphane.v1.Preset" as const, name, scene: scene_named(name) })) } });
       restart();
     } else if (body.case === "scene") {

@@ -1,8 +1,11 @@
 import { create, fromBinary, toBinary, equals, fromJsonString, toJsonString } from "@bufbuild/protobuf";
 import type { CameraPose } from "../input/camera";
 import { length, subtract, vec3, type Vec3 } from "../input/vec3";
+import type { Plane, Stack } from "../slices/stack";
+import type { Coming, SliceId } from "../slices/store";
 import {
   AckSchema,
+  AnatomicalPlane,
   ClientMessageSchema,
   Codec,
   HandoverSchema,
@@ -11,16 +14,19 @@ import {
   OwnCameraSchema,
   SceneUpdateSchema,
   ServerMessageSchema,
+  SlicesWantedSchema,
   StillFormat,
   ViewportSchema,
   VisibilitySchema,
   type ClientMessage,
+  type ExactSlice,
   type ServerMessage,
+  type SliceStack,
 } from "./gen/api/proto/stream_pb";
 import { CameraSchema, Clip_PlaneSchema, ClipSchema, SceneSchema, TransferFunctionSchema, Vec3Schema, type Scene } from "./gen/api/proto/scene_pb";
 
 export { Codec, StillFormat };
-export type { Audience, Config, Frame, Histogram, Look, Participant, Problem, State, Stats, Still } from "./gen/api/proto/stream_pb";
+export type { Audience, Config, ExactSlice, Frame, Histogram, Look, Participant, Problem, State, Stats, Still } from "./gen/api/proto/stream_pb";
 export type { Preset, Scene } from "./gen/api/proto/scene_pb";
 export { VolumeHeader_Modality as Modality, type VolumeHeader } from "./gen/api/proto/volume_pb";
 export type { ServerMessage };
@@ -110,6 +116,33 @@ export function encode_handover(to: string): Bytes {
 
 export function encode_own_camera(on: boolean): Bytes {
   return encoded(create(ClientMessageSchema, { body: { case: "ownCamera", value: create(OwnCameraSchema, { on }) } }));
+}
+
+const plane_numbers: Readonly<Record<Plane, AnatomicalPlane>> = {
+  axial: AnatomicalPlane.AXIAL,
+  coronal: AnatomicalPlane.CORONAL,
+  sagittal: AnatomicalPlane.SAGITTAL,
+};
+const plane_of = (number: AnatomicalPlane): Plane | null => (Object.entries(plane_numbers) as [Plane, AnatomicalPlane][]).find(([, one]) => one === number)?.[0] ?? null;
+
+export function encode_slices(lacking: readonly SliceId[], taken: bigint): Bytes {
+  const value = create(SlicesWantedSchema, { taken, slices: lacking.map(({ plane, index }) => ({ plane: plane_numbers[plane], index })) });
+  return encoded(create(ClientMessageSchema, { body: { case: "slices", value } }));
+}
+
+/** Nothing where it is of a plane that this page does not know. */
+export function coming_slice({ seq, plane, index, columns, rows, data }: ExactSlice): Coming | null {
+  const known = plane_of(plane);
+  return known && { seq, plane: known, index, columns, rows, data: data as Uint8Array<ArrayBuffer> };
+}
+
+/** Those that are whole; a server of an earlier version tells none. */
+export function stacks_of(stacks: readonly SliceStack[]): readonly Stack[] {
+  return stacks.flatMap(({ plane, columns, rows, slices, first, right, down, next }) => {
+    const known = plane_of(plane);
+    if (!known || !columns || !rows || !slices || !first || !right || !down || !next) return [];
+    return [{ plane: known, columns, rows, slices, first: plain(first), right: plain(right), down: plain(down), next: plain(next) }];
+  });
 }
 
 export function encode_visibility(visible: boolean): Bytes {

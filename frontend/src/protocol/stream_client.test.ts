@@ -53,6 +53,7 @@ class World {
         config: (config) => this.configs.push(config.scene?.camera?.eye?.x),
         frame: () => this.seen.push("frame"),
         still: () => this.seen.push("still"),
+        slice: () => this.seen.push("slice"),
         state: () => undefined,
         audience: () => this.seen.push("audience"),
         look: (scene) => this.looks.push(scene.camera?.eye?.x),

@@ -8,12 +8,14 @@ import {
   encode_need_key,
   encode_own_camera,
   encode_scene,
+  encode_slices,
   encode_visibility,
   camera_of,
   with_camera,
   type Abilities,
   type Audience,
   type Config,
+  type ExactSlice,
   type Frame,
   type FrameTimes,
   type Problem,
@@ -23,6 +25,7 @@ import {
   type Still,
   type Viewport,
 } from "./messages";
+import type { SliceId } from "../slices/store";
 
 /** Leads to a worker: a one-time address, or why there is none. Asked anew for each try. */
 export type Door = (signal: AbortSignal) => Promise<
@@ -59,6 +62,7 @@ export interface StreamEvents {
   config(config: Config): void;
   frame(frame: Frame): void;
   still(still: Still): void;
+  slice(slice: ExactSlice): void;
   /** Who is here; this page may have become, or may be no more, the presenter's. */
   audience(audience: Audience): void;
   /** The scene as the presenter has it. */
@@ -180,6 +184,11 @@ export class StreamClient {
     this.happened({ kind: "again" });
   }
 
+  /** What is lacking now; said again after a reconnection by whoever lacks it. */
+  want_slices(lacking: readonly SliceId[], taken: bigint): void {
+    if (this.state_.phase === "live") this.socket_?.send(encode_slices(lacking, taken));
+  }
+
   need_key(): void {
     if (this.state_.phase === "live") this.socket_?.send(encode_need_key());
   }
@@ -280,6 +289,9 @@ export class StreamClient {
         break;
       case "still":
         this.events_.still(body.value);
+        break;
+      case "slice":
+        this.events_.slice(body.value);
         break;
       case "state":
         this.events_.state(body.value);

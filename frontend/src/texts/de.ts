@@ -13,6 +13,7 @@ import { scans } from "./de/scans";
 import { second_factor } from "./de/second_factor";
 import { settings } from "./de/settings";
 import { sharing } from "./de/sharing";
+import { slices } from "./de/slices";
 import { take } from "./de/take";
 import { titles } from "./de/titles";
 import { viewer } from "./de/viewer";
@@ -33,6 +34,7 @@ export const de = {
   second_factor,
   settings,
   sharing,
+  slices,
   take,
   titles,
   viewer,

@@ -12,6 +12,7 @@ import { scans } from "./en/scans";
 import { second_factor } from "./en/second_factor";
 import { settings } from "./en/settings";
 import { sharing } from "./en/sharing";
+import { slices } from "./en/slices";
 import { take } from "./en/take";
 import { titles } from "./en/titles";
 import { viewer } from "./en/viewer";
@@ -34,6 +35,7 @@ export const en = {
   second_factor,
   settings,
   sharing,
+  slices,
   take,
   titles,
   viewer,

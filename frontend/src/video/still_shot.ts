@@ -102,6 +102,7 @@ export class StillShot {
         },
         frame: (frame) => void this.frame(frame),
         still: (still) => void this.lossless_.receive(still),
+        slice: () => undefined,
         problem: ({ message }) => this.fail("refused_scene", message),
         state: () => undefined,
         audience: () => undefined,

@@ -7,8 +7,10 @@ import { open_browser_socket } from "../protocol/browser_socket";
 import { first_state, type ConnectionState } from "../protocol/connection";
 import {
   camera_of,
+  coming_slice,
   same_look,
   same_scene,
+  stacks_of,
   with_camera,
   within_bounds,
   type Abilities,
@@ -23,6 +25,7 @@ import {
   type VolumeHeader,
 } from "../protocol/messages";
 import { changed, nothing_yet, redone, rested, undone, type History, type Moved } from "../scene/history";
+import { Slices } from "../slices/model";
 import { reset_part, type Part } from "../scene/parts";
 import { StreamClient } from "../protocol/stream_client";
 import { t } from "../texts/en";
@@ -80,6 +83,8 @@ export class ViewerSession {
   readonly histogram = signal<Histogram | null>(null);
   /** Who is here, once it is known. */
   readonly audience = signal<Audience | null>(null);
+  /** The slices beside the picture. */
+  readonly slices = new Slices((lacking, taken) => this.client_.want_slices(lacking, taken));
   /** What the server said about the last input it refused. */
   readonly problem = signal("");
 
@@ -123,6 +128,10 @@ export class ViewerSession {
         frame: (frame) => {
           this.lossless_end_.epoch_is(frame.epoch);
           this.pipeline_.receive(frame);
+        },
+        slice: (slice) => {
+          const coming = coming_slice(slice);
+          if (coming) this.slices.receive(coming);
         },
         still: (still) => void this.lossless_end_.receive(still),
         state: (state) => {
@@ -183,6 +192,7 @@ export class ViewerSession {
     this.remember();
     this.client_.stop();
     this.size_teller_.stop();
+    this.slices.stop();
     this.pipeline_.close();
     this.place_.leave(id);
   }
@@ -352,6 +362,7 @@ export class ViewerSession {
     this.converged_epoch_ = -1;
     this.device.value = config.device;
     this.volume.value = config.volume ?? null;
+    this.slices.configured(stacks_of(config.sliceStacks), config.volume);
     this.presets.value = config.presets;
     this.histogram.value = config.histogram ?? null;
     const before = this.scene.value;

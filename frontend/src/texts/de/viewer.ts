@@ -66,6 +66,7 @@ export const viewer: Soon<Texts["viewer"]> = {
     ["Aussehen wählen", "", "", "1 bis 4"],
     ["Rückgängig", "Menü links", "Menü links", "Strg + Z"],
     ["Wiederholen", "Menü links", "Menü links", "Strg + Umschalt + Z"],
+    ["Schnitte", "Knopf oben", "Knopf oben", "V"],
     ["Ganzer Bildschirm", "", "", "F"],
     ["Bild speichern", "", "", "S"],
   ],

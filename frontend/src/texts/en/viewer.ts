@@ -68,6 +68,7 @@ export const viewer = {
     ["Choose a look", "", "", "1 to 4"],
     ["Undo", "Menu at the left", "Menu at the left", "Ctrl + Z"],
     ["Redo", "Menu at the left", "Menu at the left", "Ctrl + Shift + Z"],
+    ["Slices", "Button above", "Button above", "V"],
     ["Full screen", "", "", "F"],
     ["Save a picture", "", "", "S"],
   ] as readonly (readonly [string, string, string, string])[],

@@ -28,6 +28,7 @@ import { RecordedInteraction, RecordingDialog } from "./recording";
 import { SavedPresets, WantedPreset } from "./saved_presets";
 import { Settings } from "./settings/settings";
 import { ShareDialog } from "./share_dialog";
+import { SlicesButton, SlicesLine, SliceViews } from "./slices/slice_views";
 import { StatusLine } from "./status_line";
 import { LinkedView } from "./take/linked_view";
 import { ShotLine, use_shot } from "./take/shot";
@@ -138,9 +139,10 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
   );
 
   return (
-    <div class="viewer" ref={page}>
+    <div class="viewer" ref={page} data-slices={session?.slices.open.value ? session.slices.view.value : undefined}>
       <main class="stage">
-        <canvas ref={canvas} tabIndex={0} role="application" aria-label={t.viewer.stage} {...facts_of(session)} />
+        <canvas ref={canvas} tabIndex={0} role="application" aria-label={t.viewer.stage} {...facts_of(session)} onDblClick={() => session?.slices.open.value && session.slices.maximise("picture")} />
+        {session ? <SliceViews session={session} /> : null}
       </main>
       <header class="viewer-top">
         <div class="glass viewer-title">
@@ -148,6 +150,7 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
           <h1>{title}</h1>
         </div>
         <div class="glass viewer-tools">
+          {session && !onCut ? <SlicesButton session={session} /> : null}
           {tool("reset", "reset")}
           {tool("screenshot", "camera")}
           {tool("fullscreen", "fullscreen")}
@@ -174,6 +177,7 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
           {tool("help", "help")}
         </div>
       </header>
+      {session ? <SlicesLine session={session} /> : null}
       <StatusLine session={session} fault={fault}>
         {own ? <PictureTimeLine onHide={() => canvas.current?.focus()} /> : null}
         <ShotLine shot={shot} />
@@ -227,8 +231,13 @@ function facts_of(session: ViewerSession | null): Record<string, string> {
 /** Ties a session to what happens to the page and to hands on the picture. */
 function connect_page(session: ViewerSession, element: HTMLCanvasElement, signal: AbortSignal): void {
   attach_gestures(element, (gesture, held) => session.act(gesture, held), () => session.rest(), signal);
-  watch_device_pixels(element, (size) => session.resize(size), signal);
-  document.addEventListener("visibilitychange", () => session.set_visible(!document.hidden), { signal });
+  watch_device_pixels(element, (size) => {
+    if (size.width > 0) session.resize(size); // behind a slice that is shown alone it has none
+  }, signal);
+  const seen = () => session.set_visible(!document.hidden && session.slices.picture_shown.value);
+  document.addEventListener("visibilitychange", seen, { signal });
+  const forget = session.slices.picture_shown.subscribe(seen);
+  signal.addEventListener("abort", forget);
   addEventListener("online", () => session.wake(), { signal });
   addEventListener("pagehide", () => session.remember(), { signal });
 }

@@ -1,0 +1,67 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { vec3 } from "../input/vec3";
+import { Slices } from "./model";
+import type { SliceId } from "./store";
+import { axial, coronal, sagittal } from "./testing";
+
+const header = { contentHash: "a", windowCenter: 40, windowWidth: 400, minimum: 0, maximum: 9, percentiles: [] };
+
+describe("the slices of a scan", () => {
+  let asked: (readonly SliceId[])[] = [];
+  let frames: FrameRequestCallback[] = [];
+  beforeEach(() => {
+    asked = [];
+    frames = [];
+    vi.stubGlobal("requestAnimationFrame", (task: FrameRequestCallback) => frames.push(task));
+  });
+  afterEach(() => vi.unstubAllGlobals());
+  const frame = () => {
+    for (const task of frames.splice(0)) task(0);
+    return asked.at(-1)?.map(({ plane, index }) => `${plane} ${index}`);
+  };
+  const begun = () => {
+    const slices = new Slices((lacking) => asked.push(lacking));
+    slices.configured([axial, sagittal, coronal], header);
+    return slices;
+  };
+
+  it("are asked for only while they are seen", () => {
+    const slices = begun();
+    expect(frame()).toBeUndefined();
+    slices.open.value = true;
+    expect(frame()).toEqual(["axial 2", "sagittal 3", "coronal 2"]);
+    slices.maximise("coronal");
+    slices.scroll(coronal, 1);
+    expect(frame()).toEqual(["coronal 3"]);
+    slices.maximise("coronal");
+    expect(slices.view.value).toBe("four");
+  });
+  it("go through one place", () => {
+    const slices = begun();
+    slices.point_at(axial, vec3(-0.6, 0.8, 100));
+    expect([axial, sagittal, coronal].map((stack) => slices.index(stack))).toEqual([4, 2, 2]);
+    slices.step(axial, 1, -1);
+    expect([axial, sagittal, coronal].map((stack) => slices.index(stack))).toEqual([4, 3, 1]);
+  });
+  it("come one at a time on a narrow page, and the picture is not asked for behind them", () => {
+    const slices = begun();
+    slices.narrow.value = true;
+    slices.open.value = true;
+    expect(slices.view.value).toBe("axial");
+    expect(slices.picture_shown.value).toBe(false);
+    slices.shown.value = "picture";
+    expect(slices.picture_shown.value).toBe(true);
+  });
+  it("stay as they are over a reconnection, and begin anew with another volume", () => {
+    const slices = begun();
+    expect(slices.window.value).toEqual({ centre: 40, width: 400 });
+    slices.set_window({ centre: 1, width: 2 });
+    slices.go_to(axial, 0);
+    slices.configured([axial, sagittal, coronal], header);
+    expect(slices.window.value).toEqual({ centre: 1, width: 2 });
+    expect(slices.index(axial)).toBe(0);
+    slices.configured([axial, sagittal, coronal], { ...header, contentHash: "b" });
+    expect(slices.window.value).toEqual({ centre: 40, width: 400 });
+    expect(slices.index(axial)).toBe(2);
+  });
+});

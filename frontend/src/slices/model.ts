@@ -1,0 +1,145 @@
+import { computed, effect, signal } from "@preact/signals";
+import { add, scale, vec3, type Vec3 } from "../input/vec3";
+import { inflate } from "./coding";
+import type { Measure } from "./measure";
+import { whole_slice, type Placing } from "./placing";
+import { held_within, in_slice, pixel_of, planes, type Plane, type Stack } from "./stack";
+import { SliceStore, type Coming, type StoreParts } from "./store";
+import { bounded, first_window, table_of, type Window } from "./window";
+
+/** What one hand alone does in a slice. */
+export const tools = ["window", "crosshair", "ruler", "angle"] as const;
+export type Tool = (typeof tools)[number];
+
+/** One of the views alone, or all four. */
+export type Shown = "picture" | "four" | Plane;
+
+type Header = Parameters<typeof first_window>[0] & { readonly contentHash: string };
+const middle = vec3(0, 0, 0);
+
+/** The slices as a person sees them. It stays while views come and go. */
+export class Slices {
+  readonly stacks = signal<ReadonlyMap<Plane, Stack>>(new Map());
+  /** Else the picture alone. */
+  readonly open = signal(false);
+  readonly shown = signal<Shown>("four");
+  /** The page is too narrow for four views: one at a time. */
+  readonly narrow = signal(false);
+  readonly crosshair = signal<Vec3>(middle);
+  readonly window = signal<Window>({ centre: 0, width: 1 });
+  readonly tool = signal<Tool>("window");
+  readonly measures = signal<readonly Measure[]>([]);
+  readonly placings = signal<Partial<Record<Plane, Placing>>>({});
+  /** Under a pointer. */
+  readonly pointed = signal<{ readonly plane: Plane; readonly place: Vec3 } | null>(null);
+  /** Rises with every slice that came. */
+  readonly came = signal(0);
+  readonly damaged = signal(false);
+
+  readonly view = computed<Shown>(() => {
+    if (!this.open.value) return "picture";
+    return this.narrow.value && this.shown.value === "four" ? "axial" : this.shown.value;
+  });
+  readonly picture_shown = computed(() => this.view.value === "picture" || this.view.value === "four");
+  /** Of every 16-bit value its grey. */
+  readonly table = computed(() => table_of(this.window.value));
+
+  private readonly store_: SliceStore;
+  private readonly stop_: () => void;
+  private first_: Window = this.window.value;
+  private volume_ = "";
+
+  constructor(ask: StoreParts["ask"]) {
+    this.store_ = new SliceStore({
+      ask,
+      inflate,
+      next_frame: (task) => requestAnimationFrame(task),
+      came: () => (this.came.value += 1),
+      damaged: () => (this.damaged.value = true),
+    });
+    this.stop_ = effect(() => {
+      for (const plane of planes) {
+        const stack = this.stacks.value.get(plane);
+        const seen = stack && (this.view.value === "four" || this.view.value === plane);
+        this.store_.show(plane, seen ? pixel_of(stack, this.crosshair.value).slice : null);
+      }
+    });
+  }
+
+  /** A connection to a worker, the first or another. */
+  configured(stacks: readonly Stack[], header: Header | undefined): void {
+    this.damaged.value = false;
+    if (header && header.contentHash !== this.volume_) {
+      this.volume_ = header.contentHash;
+      this.store_.clear();
+      this.stacks.value = new Map(stacks.map((stack) => [stack.plane, stack]));
+      this.first_ = first_window(header);
+      this.reset();
+    }
+    this.store_.connected();
+  }
+
+  receive(slice: Coming): void {
+    void this.store_.receive(slice);
+  }
+
+  stop(): void {
+    this.stop_();
+  }
+
+  index(stack: Stack): number {
+    return pixel_of(stack, this.crosshair.value).slice;
+  }
+
+  /** Those of the slice that the crosshair is in, once they have come. */
+  values(stack: Stack): Int16Array<ArrayBuffer> | null {
+    return this.came.value >= 0 ? this.store_.get({ plane: stack.plane, index: this.index(stack) }) : null;
+  }
+
+  value_at(stack: Stack, place: Vec3): number | null {
+    const { column, row } = pixel_of(stack, place);
+    return this.values(stack)?.[row * stack.columns + column] ?? null;
+  }
+
+  scroll(stack: Stack, by: number): void {
+    this.go_to(stack, this.index(stack) + by);
+  }
+
+  go_to(stack: Stack, index: number): void {
+    this.crosshair.value = in_slice(stack, this.crosshair.value, index);
+  }
+
+  point_at(stack: Stack, place: Vec3): void {
+    this.crosshair.value = held_within(stack, place);
+  }
+
+  /** So many pixels in the slice. */
+  step(stack: Stack, right: number, down: number): void {
+    this.point_at(stack, add(this.crosshair.value, add(scale(stack.right, right), scale(stack.down, down))));
+  }
+
+  placing(stack: Stack): Placing {
+    return this.placings.value[stack.plane] ?? whole_slice(stack);
+  }
+
+  place(stack: Stack, placing: Placing): void {
+    this.placings.value = { ...this.placings.value, [stack.plane]: placing };
+  }
+
+  set_window(window: Window): void {
+    this.window.value = bounded(window);
+  }
+
+  /** One of four alone, or all four again. */
+  maximise(one: Exclude<Shown, "four">): void {
+    this.shown.value = this.view.value === one ? "four" : one;
+  }
+
+  /** The whole of every slice, the middle of the volume, the first window; measures stay. */
+  reset(): void {
+    const axial = this.stacks.value.get("axial");
+    this.crosshair.value = axial ? held_within(axial, middle) : middle;
+    this.placings.value = {};
+    this.window.value = this.first_;
+  }
+}

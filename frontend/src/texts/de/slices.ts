@@ -1,0 +1,41 @@
+import type { Texts } from "..";
+import type { Soon } from "../shape";
+
+export const slices: Soon<Texts["slices"]> = {
+  open: "Schnitte zeigen (V)",
+  close: "Das Bild allein zeigen (V)",
+  bar: "Schnitte",
+  views: "Ansicht",
+  view: { picture: "3D", four: "Vier", axial: "Axial", sagittal: "Sagittal", coronal: "Koronal" },
+  tools: "Was eine Hand tut",
+  tool: { window: "Fenster", crosshair: "Fadenkreuz", ruler: "Lineal", angle: "Winkel" },
+  tool_help: {
+    window: "Ziehen: zur Seite für mehr oder weniger Kontrast, auf und ab für heller oder dunkler.",
+    crosshair: "Ziehen oder tippen: Alle drei Schnitte gehen durch diesen Ort. Mit der Maus geht das jederzeit mit der Umschalttaste.",
+    ruler: "Von einem Ort zum anderen ziehen, oder beide antippen. Mit Tasten: Die Eingabetaste setzt einen Punkt, wo das Fadenkreuz ist.",
+    angle: "Drei Orte antippen; der zweite ist der Scheitel. Mit Tasten: Die Eingabetaste setzt einen Punkt, wo das Fadenkreuz ist.",
+  },
+  usual: "Fenster",
+  usual_own: "Wie eingestellt",
+  usual_windows: { soft: "Weichteile", lung: "Lunge", bone: "Knochen", brain: "Gehirn" },
+  centre: "Mitte",
+  width: "Breite",
+  remove_measure: "Die letzte Messung entfernen",
+  reset: "Schnitte zurücksetzen",
+  maximise: (view) => `${view} allein (M)`,
+  restore: "Alle vier (M)",
+  canvas: (view) =>
+    `Schnitt ${view}. Pfeil auf und ab oder Bild auf und ab gehen durch die Schnitte, Umschalt und Pfeile bewegen das Fadenkreuz, Strg und Pfeile den Schnitt, Plus und Minus vergrößern und verkleinern, M zeigt ihn allein, R setzt zurück.`,
+  slider: (view) => `Schnitt ${view}`,
+  number: (index, count) => `${index} von ${count}`,
+  title: (view, index, count) => `${view} ${index}/${count}`,
+  place: (parts) => `${parts.map(({ side, mm }) => `${side} ${mm.toFixed(1).replace(".", ",")}`).join("  ")} mm`,
+  hu: (value) => `${value} HU`.replace("-", "−"),
+  value: (value) => `Wert ${value}`.replace("-", "−"),
+  nothing: "Außerhalb der Aufnahme",
+  ruler: (mm) => `${mm.toFixed(1).replace(".", ",")} mm`,
+  angle: (degrees) => `${degrees.toFixed(1).replace(".", ",")}°`,
+  said: (title, value, place) => `${title}, ${value}, ${place}`,
+  unsupported: "Dieser Browser ist zu alt, um Schnitte zu zeigen.",
+  damaged: "Ein Schnitt kam beschädigt an. Ein anderer kommt vielleicht unbeschädigt.",
+};

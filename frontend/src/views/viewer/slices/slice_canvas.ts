@@ -1,0 +1,45 @@
+import { per_mm, point_of, type Area, type Placing } from "../../../slices/placing";
+import { pixel_size, type Stack } from "../../../slices/stack";
+import { shade } from "../../../slices/window";
+
+/** Draws slices on a canvas: each voxel a sharp rectangle, however large. */
+export class SliceCanvas {
+  private readonly pixels_ = document.createElement("canvas");
+  private values_: Int16Array | null = null;
+  private table_: Uint32Array | null = null;
+
+  /** `area` in CSS pixels; null: there are no values yet, and what was there before is no slice of this place. */
+  draw(canvas: HTMLCanvasElement, stack: Stack, values: Int16Array | null, table: Uint32Array, placing: Placing, area: Area): void {
+    const ratio = devicePixelRatio;
+    const width = Math.max(1, Math.round(area.width * ratio));
+    const height = Math.max(1, Math.round(area.height * ratio));
+    if (canvas.width !== width) canvas.width = width;
+    if (canvas.height !== height) canvas.height = height;
+    const context = canvas.getContext("2d");
+    if (!context) return;
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.fillStyle = "#000000";
+    context.fillRect(0, 0, width, height);
+    if (!values) return;
+    this.shade(stack, values, table);
+    const size = pixel_size(stack);
+    const mm = per_mm(stack, placing, area);
+    const corner = point_of(stack, placing, area, { column: -0.5, row: -0.5 });
+    context.imageSmoothingEnabled = Math.min(size.width, size.height) * mm * ratio < 1;
+    context.imageSmoothingQuality = "high";
+    context.drawImage(this.pixels_, corner.x * ratio, corner.y * ratio, stack.columns * size.width * mm * ratio, stack.rows * size.height * mm * ratio);
+  }
+
+  private shade(stack: Stack, values: Int16Array, table: Uint32Array): void {
+    if (values === this.values_ && table === this.table_) return;
+    this.values_ = values;
+    this.table_ = table;
+    this.pixels_.width = stack.columns;
+    this.pixels_.height = stack.rows;
+    const context = this.pixels_.getContext("2d");
+    if (!context) return;
+    const image = context.createImageData(stack.columns, stack.rows);
+    shade(values, table, new Uint32Array(image.data.buffer));
+    context.putImageData(image, 0, 0);
+  }
+}

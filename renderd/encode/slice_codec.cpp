@@ -1,0 +1,28 @@
+#include "renderd/encode/slice_codec.h"
+
+#include <zlib.h>
+
+namespace diaphane::render {
+
+Result<std::string> code_slice(std::span<const std::int16_t> values) {
+  const std::size_t n = values.size();
+  std::string bytes(2 * n, '\0');
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto bits = static_cast<std::uint16_t>(values[i]);
+    bytes[i] = static_cast<char>(bits & 0xff);
+    bytes[n + i] = static_cast<char>(bits >> 8);
+  }
+  uLongf length = compressBound(static_cast<uLong>(bytes.size()));
+  std::string coded(length, '\0');
+  // The quickest: somebody turns the wheel.
+  constexpr int kLevel = 1;
+  if (compress2(reinterpret_cast<Bytef*>(coded.data()), &length,
+                reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
+                kLevel) != Z_OK) {
+    return fail(ErrorCode::kInternal, "The slice could not be coded.");
+  }
+  coded.resize(length);
+  return coded;
+}
+
+}  // namespace diaphane::render

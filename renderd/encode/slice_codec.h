@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "common/result.h"
+
+namespace diaphane::render {
+
+/// The bytes of ExactSlice.data (api/proto/stream.proto).
+Result<std::string> code_slice(std::span<const std::int16_t> values);
+
+}  // namespace diaphane::render

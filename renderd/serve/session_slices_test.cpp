@@ -1,0 +1,199 @@
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "renderd/serve/test_worker.h"
+
+namespace diaphane::render {
+namespace {
+
+using Kind = v1::ServerMessage;
+
+// By the protocol's words.
+std::vector<std::int16_t> values_of(const v1::ExactSlice& slice) {
+  const std::size_t pixels = std::size_t{slice.columns()} * slice.rows();
+  std::vector<unsigned char> bytes(2 * pixels);
+  auto length = static_cast<uLongf>(bytes.size());
+  EXPECT_EQ(uncompress(bytes.data(), &length, reinterpret_cast<const Bytef*>(slice.data().data()),
+                       static_cast<uLong>(slice.data().size())),
+            Z_OK);
+  std::vector<std::int16_t> values(pixels);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    values[i] = static_cast<std::int16_t>(bytes[i] + 256 * bytes[pixels + i]);
+  }
+  return values;
+}
+
+struct Viewer {
+  std::shared_ptr<Link> link = std::make_shared<Link>();
+  std::optional<Attachment> attachment;
+  std::uint64_t taken = 0;
+
+  void say(const v1::ClientMessage& message) { attachment->receive(message.SerializeAsString()); }
+  void want(std::initializer_list<std::pair<v1::AnatomicalPlane, std::uint32_t>> slices) {
+    v1::ClientMessage message;
+    v1::SlicesWanted& wanted = *message.mutable_slices();
+    for (const auto& [plane, index] : slices) {
+      v1::SlicesWanted::At& at = *wanted.add_slices();
+      at.set_plane(plane);
+      at.set_index(index);
+    }
+    wanted.set_taken(taken);
+    say(message);
+  }
+  std::optional<v1::ExactSlice> slice() {
+    const auto message = link->inbox.next_of(Kind::kSlice);
+    if (!message) return std::nullopt;
+    taken = message->slice().seq();
+    return message->slice();
+  }
+  std::optional<v1::Problem> problem() {
+    const auto message = link->inbox.next_of(Kind::kProblem);
+    return message ? std::optional(message->problem()) : std::nullopt;
+  }
+};
+
+struct SessionSlicesTest : testing::Test {
+  SessionSlicesTest() {
+    device->seconds_per_megapixel = 0.25;
+    options.volume_dir = store.path;
+    options.host.slots = 2;
+    stored.header.size = {6, 5, 4};
+    stored.header.spacing = {1, 2, 3};
+    stored.header.direction = {0, -1, 0, 1, 0, 0, 0, 0, 1};  // x to the back, y to the right
+    stored.header.modality = volume::Modality::kCt;
+    for (int i = 0; i < 6 * 5 * 4; ++i)
+      stored.voxels.push_back(static_cast<std::int16_t>(7 * i - 500));
+    volume::measure(stored);
+    id = new_id();
+    EXPECT_TRUE(volume::write(stored, store.path + "/" + id));
+    worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
+                                            clock);
+  }
+
+  Viewer attach(const std::string& session, const std::string& participant = {}) {
+    Viewer viewer;
+    v1::Open open;
+    open.set_session_id(session);
+    open.set_volume_id(id);
+    open.set_placement(1);
+    open.set_participant(participant);
+    viewer.attachment.emplace(*worker->host().open(open, viewer.link));
+    viewer.say(hello_message());
+    const auto config = viewer.link->inbox.next_of(Kind::kConfig);
+    EXPECT_TRUE(config);
+    if (config) stacks = config->config().slice_stacks();
+    return viewer;
+  }
+  std::int16_t voxel(std::size_t x, std::size_t y, std::size_t z) const {
+    return stored.voxels[x + 6 * (y + 5 * z)];
+  }
+
+  TestStore store;
+  volume::Volume stored;
+  std::string id;
+  std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
+  prometheus::Registry registry;
+  Metrics metrics{registry};
+  SystemClock clock;
+  RenderWorker::Options options;
+  std::unique_ptr<RenderWorker> worker;
+  google::protobuf::RepeatedPtrField<v1::SliceStack> stacks;
+};
+
+TEST_F(SessionSlicesTest, HaveTheStoredVolumesVoxels) {
+  Viewer one = attach(new_id());
+  ASSERT_EQ(stacks.size(), 3);
+  EXPECT_EQ(stacks[0].columns(), 5U);
+  EXPECT_EQ(stacks[0].rows(), 6U);
+  EXPECT_EQ(stacks[0].slices(), 4U);
+  EXPECT_DOUBLE_EQ(stacks[0].right().x(), 2);
+  one.want({{v1::AXIAL, 2}});
+  const auto axial = one.slice();
+  ASSERT_TRUE(axial);
+  EXPECT_EQ(axial->seq(), 1U);
+  EXPECT_EQ(axial->index(), 2U);
+  const auto values = values_of(*axial);
+  for (std::size_t row = 0; row < 6; ++row) {
+    for (std::size_t column = 0; column < 5; ++column) {
+      EXPECT_EQ(values[row * 5 + column], voxel(row, 4 - column, 2));
+    }
+  }
+  one.want({{v1::SAGITTAL, 0}, {v1::CORONAL, 5}});
+  for (int i = 0; i < 2; ++i) {
+    const auto slice = one.slice();
+    ASSERT_TRUE(slice);
+    const bool sagittal = slice->plane() == v1::SAGITTAL;
+    EXPECT_EQ(values_of(*slice).front(), sagittal ? voxel(0, 4, 3) : voxel(5, 4, 3));
+  }
+}
+
+TEST_F(SessionSlicesTest, FollowersSeeTheirOwnAndTheOthersNone) {
+  const std::string session = new_id();
+  Viewer owner = attach(session);
+  Viewer guest = attach(session, new_id());
+  guest.want({{v1::AXIAL, 1}});
+  const auto slice = guest.slice();
+  ASSERT_TRUE(slice);
+  EXPECT_EQ(slice->index(), 1U);
+  owner.want({{v1::AXIAL, 3}});
+  ASSERT_TRUE(owner.slice());
+  EXPECT_EQ(owner.link->inbox.count(Kind::kSlice), 1U);
+  EXPECT_EQ(guest.link->inbox.count(Kind::kSlice), 1U);
+}
+
+TEST_F(SessionSlicesTest, ABadWishIsAnsweredAndThePictureGoesOn) {
+  Viewer one = attach(new_id());
+  one.want({{v1::AXIAL, 4}});
+  const auto problem = one.problem();
+  ASSERT_TRUE(problem);
+  EXPECT_EQ(problem->code(), "invalid");
+  EXPECT_EQ(problem->field(), "slices[0].index");
+  EXPECT_FALSE(problem->fatal());
+  const auto frame = one.link->inbox.next_of(Kind::kFrame);
+  ASSERT_TRUE(frame);
+  one.say(ack_message(frame->frame().seq()));
+  EXPECT_TRUE(one.link->inbox.next_of(Kind::kFrame));
+  one.want({{v1::AXIAL, 3}});
+  EXPECT_TRUE(one.slice());
+}
+
+/// Who takes none of them has three on the way; the others' go on.
+TEST_F(SessionSlicesTest, WhoTakesNoneHoldsThreeAndNobodyUp) {
+  const std::string session = new_id();
+  Viewer silent = attach(session);
+  Viewer other = attach(session, new_id());
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    v1::ClientMessage message;
+    v1::SlicesWanted::At& at = *message.mutable_slices()->add_slices();
+    at.set_plane(v1::AXIAL);
+    at.set_index(i % 4);
+    silent.say(message);
+  }
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    other.want({{v1::CORONAL, i % 6}});
+    const auto slice = other.slice();
+    ASSERT_TRUE(slice);
+    EXPECT_EQ(slice->index(), i % 6);
+  }
+  EXPECT_LE(silent.link->inbox.count(Kind::kSlice), 3U);
+}
+
+TEST_F(SessionSlicesTest, OfAVolumeThatWasExchangedMeanwhileAreNotShown) {
+  Viewer one = attach(new_id());
+  volume::Volume cut = stored;
+  std::fill(cut.voxels.begin(), cut.voxels.end(), std::int16_t{-1000});
+  volume::measure(cut);
+  ASSERT_TRUE(volume::replace(cut, store.path + "/" + id, [] { return Result<void>(); }));
+  one.want({{v1::AXIAL, 0}});
+  const auto said = one.link->inbox.next(
+      [](const auto& message) { return message.has_problem() || message.has_slice(); });
+  ASSERT_TRUE(said);
+  EXPECT_TRUE(said->has_problem());
+}
+
+}  // namespace
+}  // namespace diaphane::render

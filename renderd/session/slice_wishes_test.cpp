@@ -1,0 +1,125 @@
+#include "renderd/session/slice_wishes.h"
+
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <utility>
+
+namespace diaphane::render {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct SliceWishesTest : testing::Test {
+  SliceWishesTest() {
+    volume::Header header;
+    header.size = {30, 20, 10};
+    stacks = stacks_of(header);
+  }
+  static v1::SlicesWanted wanted(
+      std::initializer_list<std::pair<v1::AnatomicalPlane, std::uint32_t>> at,
+      std::uint64_t taken = 0) {
+    v1::SlicesWanted message;
+    for (const auto& [plane, index] : at) {
+      message.add_slices()->set_plane(plane);
+      message.mutable_slices()->rbegin()->set_index(index);
+    }
+    message.set_taken(taken);
+    return message;
+  }
+  // Which plane and index leave now; (9, 9): none.
+  std::pair<std::size_t, std::uint32_t> sent() {
+    const auto due = wishes.take(now);
+    if (!due) return {9, 9};
+    wishes.depart();
+    return {due->plane, due->index};
+  }
+
+  SliceStacks stacks;
+  SliceWishes wishes;
+  SliceWishes::TimePoint now{};
+};
+
+using Leaves = std::pair<std::size_t, std::uint32_t>;
+constexpr Leaves kNone{9, 9};
+
+TEST_F(SliceWishesTest, AreSentPlanesInTurn) {
+  ASSERT_TRUE(wishes.wish(wanted({{v1::SAGITTAL, 3}, {v1::AXIAL, 5}, {v1::CORONAL, 4}}), stacks));
+  EXPECT_EQ(sent(), Leaves(0, 5));
+  ASSERT_TRUE(
+      wishes.wish(wanted({{v1::AXIAL, 6}, {v1::CORONAL, 4}, {v1::SAGITTAL, 3}}, 1), stacks));
+  EXPECT_EQ(sent(), Leaves(1, 4));
+  EXPECT_EQ(sent(), Leaves(2, 3));
+  EXPECT_EQ(sent(), Leaves(0, 6));
+  EXPECT_EQ(sent(), kNone);
+}
+
+TEST_F(SliceWishesTest, OfTheSamePlaneTheNewestReplacesTheOthers) {
+  for (std::uint32_t index = 0; index < 10; ++index) {
+    ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, index}}), stacks));
+  }
+  EXPECT_EQ(sent(), Leaves(0, 9));
+  EXPECT_EQ(sent(), kNone);
+  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 1}}, 1), stacks));
+  ASSERT_TRUE(wishes.wish(wanted({}, 1), stacks));  // it was looked away meanwhile
+  EXPECT_EQ(sent(), kNone);
+}
+
+TEST_F(SliceWishesTest, WhatIsOnItsWayIsNotSentAgainAndWhatWasLostIs) {
+  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}}), stacks));
+  const auto due = wishes.take(now);
+  ASSERT_TRUE(due);
+  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}}), stacks));  // while it is made
+  EXPECT_FALSE(wishes.waiting());
+  wishes.depart();
+  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}}), stacks));  // while it is on its way
+  EXPECT_EQ(sent(), kNone);
+  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}}, 1), stacks));  // it came, and is wanted again
+  EXPECT_EQ(sent(), Leaves(0, 5));
+}
+
+TEST_F(SliceWishesTest, OneIsMadeAtATimeAndThreeAreOnTheirWayAtMost) {
+  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 1}, {v1::CORONAL, 1}, {v1::SAGITTAL, 1}}), stacks));
+  ASSERT_TRUE(wishes.take(now));
+  EXPECT_FALSE(wishes.take(now));
+  wishes.give_up();
+  EXPECT_EQ(sent(), Leaves(1, 1));
+  EXPECT_EQ(sent(), Leaves(2, 1));
+  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 2}, {v1::CORONAL, 2}}), stacks));
+  EXPECT_EQ(sent(), Leaves(0, 2));
+  EXPECT_EQ(sent(), kNone);
+  ASSERT_TRUE(wishes.wish(wanted({{v1::CORONAL, 2}}, 9), stacks));  // a number that never was
+  EXPECT_EQ(sent(), kNone);
+  ASSERT_TRUE(wishes.wish(wanted({{v1::CORONAL, 2}}, 3), stacks));
+  EXPECT_EQ(sent(), Leaves(1, 2));
+}
+
+TEST_F(SliceWishesTest, WhoTakesAllAtOnceGetsABoundedNumberASecond) {
+  std::uint64_t count = 0;
+  for (int ms = 0; ms < 10'000; ++ms) {
+    for (int i = 0; i < 3; ++i) {
+      const auto index = static_cast<std::uint32_t>((ms + i) % 10);
+      ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, index}}, count), stacks));
+      if (sent() != kNone) ++count;
+    }
+    now += 1ms;
+  }
+  EXPECT_NEAR(static_cast<double>(count), SliceWishes::kBurst + 10 * SliceWishes::kMostASecond, 2);
+}
+
+TEST_F(SliceWishesTest, WhatIsNotThereIsRefusedByItsFieldAndChangesNothing) {
+  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 9}}), stacks));
+  const auto refused = [&](const v1::SlicesWanted& message) {
+    const auto taken = wishes.wish(message, stacks);
+    return taken ? std::string("taken") : taken.error().field;
+  };
+  EXPECT_EQ(refused(wanted({{v1::CORONAL, 0}, {v1::AXIAL, 10}})), "slices[1].index");
+  EXPECT_EQ(refused(wanted({{v1::SAGITTAL, 0xffffffff}})), "slices[0].index");
+  EXPECT_EQ(refused(wanted({{v1::ANATOMICAL_PLANE_UNSPECIFIED, 0}})), "slices[0].plane");
+  EXPECT_EQ(refused(wanted({{static_cast<v1::AnatomicalPlane>(77), 0}})), "slices[0].plane");
+  EXPECT_EQ(refused(wanted({{v1::AXIAL, 1}, {v1::AXIAL, 2}})), "slices[1].plane");
+  EXPECT_EQ(sent(), Leaves(0, 9));
+}
+
+}  // namespace
+}  // namespace diaphane::render
