@@ -230,6 +230,15 @@ def test_installed_upgraded_rolled_back_and_taken_away(plane, installed, tmp_pat
     assert len(claims) == 3, "people's scans went with the release"
 
 
+def test_the_trial_brings_its_stores_along(plane, namespace, tmp_path):
+    prepare(plane, namespace, "data-it-diaphane-trial-postgres-0", "data-it-diaphane-trial-redis-0")
+    plane.helm("install", "it", str(CHART), "-n", namespace, "-f", values_file(tmp_path, CHOICES["trial"]), "--wait", "--timeout", "180s")
+    stores = plane.kubectl("get", "statefulset", "-n", namespace, "-o", "json").json["items"]
+    assert {one["metadata"]["name"]: one["status"]["readyReplicas"] for one in stores} == {"it-diaphane-trial-postgres": 1, "it-diaphane-trial-redis": 1}
+    assert sum(ready(plane, namespace).values()) == 5
+    plane.helm("uninstall", "it", "-n", namespace, "--wait", "--timeout", "120s")
+
+
 def test_pods_are_spread_and_not_all_evicted(plane, installed):
     pods = plane.kubectl("get", "pods", "-n", installed, "-l", "app.kubernetes.io/component=api", "-o", "json").json["items"]
     assert len({one["spec"]["nodeName"] for one in pods}) == 2
