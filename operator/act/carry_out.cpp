@@ -144,14 +144,23 @@ Result<void> Carrier::one(const CreateWorker& action, Turn& turn) {
 
 Result<void> Carrier::one(const CreatePod& action, Turn& turn) {
   const Worker* worker = turn.worker(action.worker_uid);
-  const auto pods = turn.seen.pods_of.find(action.worker_uid);
-  if (!worker || pods == turn.seen.pods_of.end()) return not_seen();
-  const Fleet* of = find(turn.seen.world.fleets, worker->fleet_uid);
+  const Fleet* of = worker ? find(turn.seen.world.fleets, worker->fleet_uid) : nullptr;
   if (!of) return not_seen();
+  const auto template_of = [&](const std::string& uid) {
+    const auto found = turn.seen.pods_of.find(uid);
+    return found == turn.seen.pods_of.end() ? Template() : found->second;
+  };
+  Template pods = template_of(action.worker_uid);
+  // Changed by hand: its fleet may still have it as it was.
+  if (!pods && of->spec.template_hash == action.template_hash) pods = template_of(of->uid);
+  if (!pods) {
+    events_.tell({"RenderWorker", action.worker, action.worker_uid, "PodRefused",
+                  "its pod template is not what its hash says; delete it", true});
+    return fail(ErrorCode::kInvalid, "the template was changed by hand", "TemplateChanged");
+  }
   auto done = created(
       Kind::kPod, action.worker,
-      api_.create(path(Kind::kPod), pod_object(action, of->name, of->spec.sessions_per_worker,
-                                               of->spec.node_selector, *pods->second)),
+      api_.create(path(Kind::kPod), pod_object(action, of->name, of->spec.node_selector, *pods)),
       turn);
   if (!done && done.error().field != "AlreadyExists") {
     events_.tell({"RenderWorker", action.worker, action.worker_uid, "PodRefused",

@@ -4,6 +4,7 @@
 
 #include "operator/kube/api.h"
 #include "operator/names.h"
+#include "operator/observe/objects.h"
 #include "operator/plan/parts.h"
 
 namespace diaphane::fleet {
@@ -48,25 +49,6 @@ Json conditions_of(const std::vector<Condition>& conditions, std::int64_t genera
   return all;
 }
 
-void set_environment(Json& container, const char* name, const std::string& value) {
-  Json& all = container["env"];
-  if (!all.is_array()) all = Json::array();
-  all.erase(
-      std::remove_if(all.begin(), all.end(), [&](const Json& one) { return one["name"] == name; }),
-      all.end());
-  // First, so that what the template says may refer to it.
-  all.insert(all.begin(), Json{{"name", name}, {"value", value}});
-}
-
-Json& render_container(Json& spec) {
-  Json& all = spec["containers"];
-  if (!all.is_array() || all.empty()) all = Json::array({{{"name", kContainer}}});
-  for (Json& one : all) {
-    if (one.is_object() && one.value("name", "") == kContainer) return one;
-  }
-  return all.front();
-}
-
 }  // namespace
 
 Json worker_object(const CreateWorker& action, const Json& pods) {
@@ -85,20 +67,19 @@ Json worker_object(const CreateWorker& action, const Json& pods) {
             {"template", pods}}}};
 }
 
-Json pod_object(const CreatePod& action, const std::string& fleet, int slots,
-                const Labels& selector, const Json& pods) {
+Json pod_object(const CreatePod& action, const std::string& fleet, const Labels& selector,
+                Json pods) {
   Json metadata = pods.value("metadata", Json::object());
   if (!metadata["labels"].is_object()) metadata["labels"] = Json::object();
   metadata["name"] = action.worker;
   metadata["labels"].update(labels_of(fleet, action.worker));
   metadata["annotations"][kEpochAnnotation] = std::to_string(action.epoch);
   metadata["ownerReferences"] = owned_by("RenderWorker", action.worker, action.worker_uid);
-  Json spec = pods.value("spec", Json::object());
-  Json& container = render_container(spec);
+  Json& container = render_container(pods);
   for (const char* kind : {"limits", "requests"}) container["resources"][kind][kGpu] = "1";
   set_environment(container, "DIAPHANE_OWNER", owner_text(fleet, action.worker_uid, action.epoch));
-  set_environment(container, "DIAPHANE_SLOTS", std::to_string(slots));
   set_environment(container, "DIAPHANE_WORKER_ID", action.worker);
+  Json& spec = pods["spec"];
   // The scheduler is asked, not passed by: it refuses what does not fit.
   const Json here = {
       {"matchFields", {{{"key", "metadata.name"}, {"operator", "In"}, {"values", {action.node}}}}}};

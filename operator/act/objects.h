@@ -16,9 +16,9 @@ struct Target {
 };
 
 Json worker_object(const CreateWorker& action, const Json& pods);
-/// `slots`: of a worker of its fleet. `selector`: of the fleet, beside the node.
-Json pod_object(const CreatePod& action, const std::string& fleet, int slots,
-                const Labels& selector, const Json& pods);
+/// `pods`: with_slots. `selector`: of the fleet, beside the node.
+Json pod_object(const CreatePod& action, const std::string& fleet, const Labels& selector,
+                Json pods);
 
 /// Applied, each by its own part of the field manager's name: what one does not name it does not
 /// take away from another.

@@ -33,8 +33,9 @@ Json fleet_object() {
             {"template", pods()}}}};
 }
 
-const CreateWorker kWorker{"skull-0", "skull", "f", "node-1", "hash"};
-const CreatePod kPod{"skull-0", "w", "node-1", "hash", 3};
+const std::string kHash = template_hash(pods());
+const CreateWorker kWorker{"skull-0", "skull", "f", "node-1", kHash};
+const CreatePod kPod{"skull-0", "w", "node-1", kHash, 3};
 
 TEST(Objects, AFleetIsReadWhole) {
   const auto read = read_fleet(fleet_object());
@@ -55,12 +56,13 @@ TEST(Objects, AFleetIsReadWhole) {
 }
 
 TEST(Objects, TheHashOfATemplateIsThatOfItsMeaning) {
-  const std::string hash = template_hash(pods(), 4);
-  EXPECT_EQ(template_hash(Json::parse(pods().dump()), 4), hash);
-  EXPECT_NE(template_hash(pods(), 5), hash);
+  const std::string hash = template_hash(with_slots(pods(), 4));
+  EXPECT_EQ(template_hash(with_slots(Json::parse(pods().dump()), 4)), hash);
+  EXPECT_NE(template_hash(with_slots(pods(), 5)), hash);
   Json other = pods();
   other["spec"]["containers"][1]["image"] = "r2";
-  EXPECT_NE(template_hash(other, 4), hash);
+  EXPECT_NE(template_hash(with_slots(other, 4)), hash);
+  EXPECT_EQ(read_fleet(fleet_object())->fleet.spec.template_hash, hash);
 }
 
 TEST(Objects, AWorkerIsReadAsItWasMade) {
@@ -73,10 +75,14 @@ TEST(Objects, AWorkerIsReadAsItWasMade) {
   EXPECT_EQ(read->worker.fleet, "skull");
   EXPECT_EQ(read->worker.fleet_uid, "f");
   EXPECT_EQ(read->worker.node, "node-1");
-  EXPECT_EQ(read->worker.template_hash, "hash");
+  EXPECT_EQ(read->worker.template_hash, kHash);
   EXPECT_TRUE(read->worker.labelled);
   EXPECT_TRUE(read->worker.finalizer);
+  ASSERT_TRUE(read->pods);
   EXPECT_EQ(*read->pods, pods());
+  Json changed = object;
+  changed["spec"]["template"]["spec"]["containers"][1]["image"] = "another";
+  EXPECT_FALSE(read_worker(changed, templates)->pods);
   object["metadata"]["labels"].erase("diaphane.dev/fleet");
   EXPECT_FALSE(read_worker(object, templates)->worker.labelled);
 }
@@ -119,14 +125,14 @@ TEST(Objects, AFleetsStatusIsReadAsItWasWritten) {
 }
 
 TEST(Objects, APodHasItsGpuItsNodeAndItsName) {
-  const Json pod = pod_object(kPod, "skull", 4, {{"pool", "gpu"}}, pods());
+  const Json pod = pod_object(kPod, "skull", {{"pool", "gpu"}}, with_slots(pods(), 4));
   const Json& container = pod["spec"]["containers"][1];
   EXPECT_EQ(container["resources"]["limits"]["nvidia.com/gpu"], "1");
   EXPECT_EQ(container["resources"]["limits"]["memory"], "1Gi");
   EXPECT_EQ(container["env"].size(), 4U);
   EXPECT_EQ(container["env"][0], Json({{"name", "DIAPHANE_WORKER_ID"}, {"value", "skull-0"}}));
-  EXPECT_EQ(container["env"][1]["value"], "4");
-  EXPECT_EQ(container["env"][2]["value"], "skull/w/3");
+  EXPECT_EQ(container["env"][1]["value"], "skull/w/3");
+  EXPECT_EQ(container["env"][2], Json({{"name", "DIAPHANE_SLOTS"}, {"value", "4"}}));
   EXPECT_EQ(container["env"][3]["name"], "X");
   EXPECT_FALSE(pod["spec"]["containers"][0].contains("resources"));
   const Json& term = pod["spec"]["affinity"]["nodeAffinity"]
@@ -139,7 +145,7 @@ TEST(Objects, APodHasItsGpuItsNodeAndItsName) {
 }
 
 TEST(Objects, APodIsReadAsOursOnlyWhereARenderWorkerOwnsIt) {
-  Json object = pod_object(kPod, "skull", 4, {}, pods());
+  Json object = pod_object(kPod, "skull", {}, pods());
   object["metadata"]["uid"] = "p";
   object["metadata"]["namespace"] = "home";
   auto read = read_pod(object, "home");
@@ -176,7 +182,7 @@ TEST(Objects, APodIsReadAsOursOnlyWhereARenderWorkerOwnsIt) {
 }
 
 TEST(Objects, APodsStateIsRead) {
-  Json object = pod_object(kPod, "skull", 4, {}, pods());
+  Json object = pod_object(kPod, "skull", {}, pods());
   object["status"] = Json::parse(R"({"phase": "Pending", "conditions": [
     {"type": "PodScheduled", "status": "False", "reason": "Unschedulable",
      "lastTransitionTime": "2026-11-22T15:04:05Z"}]})");

@@ -1,5 +1,6 @@
 #include "operator/observe/objects.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 
@@ -131,7 +132,6 @@ FleetSpec fleet_spec(const Json& spec) {
       read.tolerations.push_back({text(one, "key"), text(one, "value"), text(one, "effect")});
     }
   }
-  read.template_hash = template_hash(pods, read.sessions_per_worker);
   return read;
 }
 
@@ -191,7 +191,9 @@ std::optional<FleetObject> read_fleet(const Json& object) {
   fleet.finalizer = has_finalizer(metadata);
   fleet.spec = fleet_spec(part(object, "spec"));
   fleet.status = fleet_status(part(object, "status"));
-  read.pods = std::make_shared<const Json>(part(part(object, "spec"), "template"));
+  read.pods = std::make_shared<const Json>(
+      with_slots(part(part(object, "spec"), "template"), fleet.spec.sessions_per_worker));
+  fleet.spec.template_hash = template_hash(*read.pods);
   return read;
 }
 
@@ -227,7 +229,10 @@ std::optional<WorkerObject> read_worker(const Json& object, Templates& templates
   worker.status.failed_pod = text(status, "failedPod");
   worker.status.failed_at = time(status, "failedAt").value_or(0);
   worker.status.conditions = conditions(status);
-  read.pods = templates.intern(worker.template_hash, part(spec, "template"));
+  const Json& pods = part(spec, "template");
+  if (template_hash(pods) == worker.template_hash) {
+    read.pods = templates.intern(worker.template_hash, pods);
+  }
   return read;
 }
 
@@ -298,10 +303,34 @@ std::optional<NodeObject> read_node(const Json& object) {
   return read;
 }
 
-std::string template_hash(const Json& pods, int slots) {
+Json& render_container(Json& pods) {
+  Json& all = pods["spec"]["containers"];
+  if (!all.is_array() || all.empty()) all = Json::array({{{"name", kContainer}}});
+  for (Json& one : all) {
+    if (text(one, "name") == kContainer) return one;
+  }
+  return all.front();
+}
+
+void set_environment(Json& container, const char* name, const std::string& value) {
+  Json& all = container["env"];
+  if (!all.is_array()) all = Json::array();
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [&](const Json& one) { return text(one, "name") == name; }),
+            all.end());
+  all.insert(all.begin(), Json{{"name", name}, {"value", value}});
+}
+
+Json with_slots(Json pods, int slots) {
+  if (!pods.is_object() || !part(pods, "spec").is_object()) pods = {{"spec", Json::object()}};
+  set_environment(render_container(pods), "DIAPHANE_SLOTS", std::to_string(slots));
+  return pods;
+}
+
+std::string template_hash(const Json& pods) {
   // FNV-1a over the sorted keys: equal for equal templates, whoever wrote them.
   std::uint64_t hash = 14695981039346656037ULL;
-  for (const char one : pods.dump() + "/" + std::to_string(slots)) {
+  for (const char one : pods.dump()) {
     hash = (hash ^ static_cast<unsigned char>(one)) * 1099511628211ULL;
   }
   char text[17];

@@ -20,12 +20,14 @@ using Template = std::shared_ptr<const Json>;
 struct FleetObject {
   std::string name, uid, version;
   Fleet fleet;
-  Template pods;
+  Template pods;  ///< with_slots
 };
 struct WorkerObject {
   std::string name, uid, version;
   Worker worker;
-  Template pods;  ///< that it was made with: its fleet may have another by now
+  /// That it was made with: its fleet may have another by now. Nothing where it is not what its
+  /// hash says: the API server does not look into it, and somebody may have changed it.
+  Template pods;
 };
 struct PodObject {
   std::string name, uid, version;
@@ -53,8 +55,15 @@ std::optional<WorkerObject> read_worker(const Json& object, Templates& templates
 std::optional<PodObject> read_pod(const Json& object, const std::string& home);
 std::optional<NodeObject> read_node(const Json& object);
 
-/// Of what a pod of this fleet is made of: workers with another are outdated.
-std::string template_hash(const Json& pods, int slots);
+/// The template with the number of slots in it: what a worker is made with, and all that its pod is
+/// made of.
+Json with_slots(Json pods, int slots);
+/// Of that: workers with another are outdated.
+std::string template_hash(const Json& pods);
+/// The container that renders: "renderd", else the first; one is made where there is none.
+Json& render_container(Json& pods);
+/// Its environment, with one more variable, first, so that others may refer to it.
+void set_environment(Json& container, const char* name, const std::string& value);
 /// "90s", "1h30m", "250ms"; nothing for what is none.
 std::optional<Seconds> duration_of(const std::string& text);
 

@@ -111,6 +111,22 @@ def test_what_is_deleted_or_edited_by_hand_is_put_back(cluster):
     assert cluster.running()[0]["metadata"]["annotations"]["diaphane.dev/epoch"] == "2"
 
 
+def test_a_template_changed_by_hand_makes_no_pod_of_it(cluster):
+    cluster.nodes(1, gpus=1)
+    cluster.operator()
+    cluster.fleet(replicas=1)
+    cluster.settled(1)
+    pod, ns = cluster.running()[0]["metadata"], cluster.namespace
+    template = cluster.workers()[0]["spec"]["template"]
+    template["spec"]["containers"][0]["image"] = "evil"
+    cluster.plane.api.patch(f"{GROUP}/namespaces/{ns}/renderworkers/{pod['name']}", headers={"Content-Type": "application/merge-patch+json"},
+                            json={"spec": {"template": template}}).raise_for_status()
+    cluster.plane.kubectl("delete", "pod", pod["name"], "-n", ns, "--wait=false")
+    cluster.settled(1)
+    now = cluster.running()[0]
+    assert now["metadata"]["uid"] != pod["uid"] and now["spec"]["containers"][0]["image"] == "diaphane:test"
+
+
 def test_somebody_elses_pod_with_our_label_and_name_is_left_alone(cluster):
     node, = cluster.nodes(1, gpus=2)
     foreign = cluster.fleet_object()["spec"]["template"]["spec"]
@@ -206,7 +222,7 @@ def test_it_lives_through_an_api_server_that_is_away_and_says_so(cluster):
     assert pod in {one["metadata"]["uid"] for one in cluster.running()}
 
 
-def test_demand_adds_workers_before_the_last_slot_is_taken_and_lets_them_go(cluster):
+def test_demand_adds_a_worker_when_the_last_slot_is_taken(cluster):
     cluster.nodes(1, gpus=4)
     cluster.operator()
     cluster.fleet(sessionsPerWorker=2, maxReplicas=4)
