@@ -195,6 +195,8 @@ Response Front::serve(Admitted& admitted) const {
 
 Response Front::refusal(const Problem& problem, const Request& request) const {
   Response response = finish(problem_response(problem, request.request_id), request);
+  const log::RequestScope scope(request.request_id);
+  log::info("request", {{"operation", "none"}, {"status", response.status}});
   options_.measure({"none", response.status, 0, 0});
   return response;
 }

@@ -118,8 +118,9 @@ def _lengths(one: Request) -> list[Attack]:
 
 
 def _headers(one: Request) -> list[Attack]:
-    # Wherever the listener cut it, a line of a request would follow, though of an unknown method.
-    hidden = b"X: " + b"P" * 700 + b" /v1/sessions HTTP/1.1\r\nY: b\r\n"
+    # Wherever the listener cut it, a line of a request would follow, though of an unknown method. It cuts behind what it has read at once:
+    # 512 bytes, or as much as its connection has already needed for a request, which is why there are more than a request of the page has.
+    hidden = b"X: " + b"P" * 7000 + b" /v1/sessions HTTP/1.1\r\nY: b\r\n"
     made = [Attack("headers", f"{name} in one more {header.decode()}", one.data(header + b": a" + byte + b"b\r\n" + hidden))
             for name, byte in _BYTES.items()
             for header in (b"Cookie", b"X-CSRF-Token", b"Origin", b"Authorization", b"X-Any", b"Idempotency-Key")]
