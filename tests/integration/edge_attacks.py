@@ -118,10 +118,13 @@ def _lengths(one: Request) -> list[Attack]:
 
 
 def _headers(one: Request) -> list[Attack]:
-    # Wherever the listener cut it, a line of a request would follow, though of an unknown method. It cuts behind what it has read at once:
-    # 512 bytes, or as much as its connection has already needed for a request, which is why there are more than a request of the page has.
-    hidden = b"X: " + b"P" * 7000 + b" /v1/sessions HTTP/1.1\r\nY: b\r\n"
-    made = [Attack("headers", f"{name} in one more {header.decode()}", one.data(header + b": a" + byte + b"b\r\n" + hidden))
+    # Wherever the listener cut it, a line of a request would follow, though of an unknown method.
+    hidden = b"X: " + b"P" * 700 + b" /v1/sessions HTTP/1.1\r\nY: b\r\n"
+    # It cuts behind what it has read at once: 512 bytes, or up to twice the largest request that its connection has had. So this is larger
+    # than all others, and goes only where its byte would get through an edge that lets headers pass, and is one that cuts.
+    long_hidden = b"".join(b"X%d: " % n + b"P" * 7000 + b" /v1/sessions HTTP/1.1\r\n" for n in range(3))
+    made = [Attack("headers", f"{name} in one more {header.decode()}", one.data(header + b": a" + byte + b"b\r\n" +
+                   (long_hidden if header == b"X-Any" and name in ("TAB", "non-ASCII", "0xff", "ESC") else hidden)))
             for name, byte in _BYTES.items()
             for header in (b"Cookie", b"X-CSRF-Token", b"Origin", b"Authorization", b"X-Any", b"Idempotency-Key")]
     for number, (header, value) in enumerate(one.headers):
