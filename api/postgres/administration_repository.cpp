@@ -224,6 +224,28 @@ Result<std::vector<std::string>> RenderTimeRepository::add(
   });
 }
 
+Result<std::vector<std::string>> RenderTimeRepository::warned(Time now, Time from, Time until) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<std::string>> {
+    transaction.exec_params0(
+        R"sql(
+        UPDATE render_time r SET warned_at = to_timestamp($1::bigint / 1e6)
+          FROM users u
+         WHERE u.id = r.user_id AND r.device_ms >= u.render_quota_ms AND r.warned_at IS NULL
+           AND r.month = date_trunc('month', to_timestamp($1::bigint / 1e6) AT TIME ZONE 'UTC')::date)sql",
+        to_us(now));
+    const pqxx::result found = transaction.exec_params(
+        R"sql(
+        SELECT r.user_id FROM render_time r JOIN users u ON u.id = r.user_id
+         WHERE r.device_ms >= u.render_quota_ms
+           AND r.warned_at BETWEEN to_timestamp($2::bigint / 1e6) AND to_timestamp($3::bigint / 1e6)
+           AND r.month = date_trunc('month', to_timestamp($1::bigint / 1e6) AT TIME ZONE 'UTC')::date)sql",
+        to_us(now), to_us(from), to_us(until));
+    std::vector<std::string> users;
+    for (const auto& row : found) users.push_back(row[0].as<std::string>());
+    return users;
+  });
+}
+
 Result<RenderAccount> RenderTimeRepository::account(const std::string& user_id, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<RenderAccount> {
     const pqxx::result found = transaction.exec_params(

@@ -34,6 +34,7 @@ class RenderTimeRepository final : public RenderTimeStore {
   Result<std::vector<std::string>> add(
       const std::vector<std::pair<std::string, std::int64_t>>& spent, Time now,
       Time ended_if_warned_by) override;
+  Result<std::vector<std::string>> warned(Time now, Time from, Time until) override;
   Result<RenderAccount> account(const std::string& user_id, Time now) override;
 
  private:

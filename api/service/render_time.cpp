@@ -2,6 +2,7 @@
 
 #include <array>
 #include <ctime>
+#include <set>
 
 #include "common/log.h"
 
@@ -57,15 +58,21 @@ Outcome<void> RenderTime::may_go_on(const Principal& who) {
 
 void RenderTime::look() {
   const auto spent = spent_.take_render_time();
-  if (!spent || spent->empty()) return;
+  if (!spent) return;
   const Time now = clock_.wall();
-  const auto over = store_.add(*spent, now, now - kGrace);
-  if (!over) {
-    // Taken and not written down: in the person's favour.
-    log::warning("render time not noted", {{"accounts", static_cast<int>(spent->size())}});
-    return;
+  std::set<std::string> over;
+  if (!spent->empty()) {
+    if (const auto rendering = store_.add(*spent, now, now - kGrace)) {
+      over.insert(rendering->begin(), rendering->end());
+    } else {
+      // Taken and not written down: in the person's favour.
+      log::warning("render time not noted", {{"accounts", static_cast<int>(spent->size())}});
+    }
   }
-  for (const std::string& user : *over) {
+  if (const auto resting = store_.warned(now, now - kGrace - kLookedFor, now - kGrace)) {
+    over.insert(resting->begin(), resting->end());
+  }
+  for (const std::string& user : over) {
     if (!placement_.end_all_by(user)) log::warning("pictures over the quota not ended");
   }
 }

@@ -37,14 +37,19 @@ class RenderTimeStore {
   virtual Result<std::vector<std::string>> add(
       const std::vector<std::pair<std::string, std::int64_t>>& spent, Time now,
       Time ended_if_warned_by) = 0;
+  /// Marks as warned at `now` whoever has nothing left since the quota became less. The ids of all
+  /// who were warned within these times: pictures at rest note nothing, and end all the same.
+  virtual Result<std::vector<std::string>> warned(Time now, Time from, Time until) = 0;
   virtual Result<RenderAccount> account(const std::string& user_id, Time now) = 0;
 };
 
 /// Render time as a quota: who has spent it opens no more pictures, and those that are open are
-/// ended after a grace in which the page says so. Thread-safe.
+/// ended after a grace in which the page says so, also when they are at rest. Thread-safe.
 class RenderTime {
  public:
   static constexpr std::chrono::minutes kGrace{2};
+  /// For so long after the grace pictures are looked for again that could not be ended at once.
+  static constexpr std::chrono::minutes kLookedFor{15};
 
   RenderTime(RenderTimeStore& store, SpentRenderTime& spent, Placement& placement,
              const Clock& clock)

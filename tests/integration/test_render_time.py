@@ -56,6 +56,24 @@ def test_who_has_used_up_his_time_is_stopped_and_told_why_and_nobody_else_notice
     running.psql("UPDATE users SET render_quota_ms = DEFAULT WHERE email = %s", one.email)
 
 
+def test_a_picture_at_rest_ends_too_when_the_grace_is_over(stack_factory):
+    """One that has become sharp takes no time, so that nothing is noted any more."""
+    stack = stack_factory(only=PROGRAMS)
+    who = person(stack)
+    scan = store_ball(stack, who)
+    session, url = open_session(who, scan)
+    viewer = Viewer(stack.url, url)
+    viewer.until("state", 120, lambda state: state.lossless)
+    stack.wait_until(lambda: used(who) > 0, 60, "what it took")
+    # Less than was used, by an administrator, and nobody touches the picture.
+    stack.psql("UPDATE users SET render_quota_ms = 0 WHERE email = %s", who.email)
+    stack.wait_until(lambda: who.http.get("/v1/me").json()["render_time"]["pictures_end_at"], 30, "its end said")
+    assert who.http.post(f"/v1/sessions/{session}/tickets").status_code == 201, "in its grace it goes on"
+    stack.psql("UPDATE render_time SET warned_at = now() - interval '3 minutes' WHERE user_id = %s", who.id)
+    assert viewer.close_code(60) == 4404, "the session has ended"
+    problem(who.http.post("/v1/sessions", json={"data_set_id": scan}), 403, "render-time-spent")
+
+
 def test_pictures_of_presets_and_what_visitors_look_at_cost_nobody_and_the_default_is_seen_first(running):
     owner, payer = person(running), person(running)
     scan = store_ball(running, owner)

@@ -5,7 +5,7 @@ export type PictureTime =
   | { readonly kind: "enough" }
   /** So many minutes of a renderer's work, or less. */
   | { readonly kind: "soon"; readonly minutes: number }
-  /** All is used: the picture that is open ends then, at the latest when it is next turned. */
+  /** All is used: the picture that is open ends then, also when it is at rest. */
   | { readonly kind: "ending"; readonly at_ms: number };
 
 const minute_ms = 60_000;
