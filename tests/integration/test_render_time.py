@@ -58,12 +58,12 @@ def test_who_has_used_up_his_time_is_stopped_and_told_why_and_nobody_else_notice
 
 def test_a_picture_at_rest_ends_too_when_the_grace_is_over(stack_factory):
     """One that has become sharp takes no time, so that nothing is noted any more."""
-    stack = stack_factory(only=PROGRAMS)
+    stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_MAX_ERROR": "0.05"})
     who = person(stack)
     scan = store_ball(stack, who)
     session, url = open_session(who, scan)
     viewer = Viewer(stack.url, url)
-    viewer.until("state", 120, lambda state: state.lossless)
+    viewer.until("state", 120, lambda state: state.converged)
     stack.wait_until(lambda: used(who) > 0, 60, "what it took")
     # Less than was used, by an administrator, and nobody touches the picture.
     stack.psql("UPDATE users SET render_quota_ms = 0 WHERE email = %s", who.email)
