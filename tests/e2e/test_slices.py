@@ -107,6 +107,68 @@ def spots_of(plane: Plane, count: int) -> list[tuple[int, int]]:
     return [(int(random.integers(columns)), int(random.integers(rows))) for _ in range(count)]
 
 
+def test_slices_show_the_voxels_of_the_file_and_the_crosshair_links_them(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit(wide=True)  # so wide that a voxel is no smaller than a pixel of the screen
+    person = Person.arrives(stack, page, "sasha")
+    scan = person.has_scan(cranium, "Head")
+    reader = Reader(stack, page, scan)
+    page.keyboard.press("v")
+    for plane in PLANES:
+        # The middle of the volume.
+        slices = reader.planes[plane].voxels.shape[0]
+        assert abs(reader.index(plane) - (slices - 1) / 2) <= 0.5
+    page.screenshot(path=pictures / "four-up.png")
+
+    # Values under the pointer, and what is drawn of them.
+    for plane in PLANES:
+        spots = spots_of(reader.planes[plane], 6)
+        for column, row in spots:
+            page.mouse.move(*reader.at(plane, column, row))
+            reader.says(plane, int(reader.planes[plane].voxels[reader.index(plane), row, column]))
+        reader.shows_what_the_formula_says(plane, spots)
+
+    # The window, typed and dragged; what is no number is put back.
+    spots = spots_of(reader.planes["coronal"], 20)
+    reader.set_window(300, 2000)
+    reader.shows_what_the_formula_says("coronal", spots)
+    page.get_by_label("Width", exact=True).fill("wide")
+    page.get_by_label("Width", exact=True).press("Enter")
+    assert reader.window() == (300, 2000)
+    x, y = reader.at("coronal", 10, 10)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 30, y - 20, steps=4)
+    page.mouse.up()
+    centre, width = reader.window()
+    assert centre > 300 and width > 2000
+    reader.shows_what_the_formula_says("coronal", spots)
+    page.get_by_role("combobox", name="Window").select_option("bone")
+    assert reader.window() == (400, 1800)
+    reader.shows_what_the_formula_says("axial", spots_of(reader.planes["axial"], 20))
+
+    # The crosshair links: Shift and moving in one slice goes through that place in the others.
+    _, rows, columns = reader.planes["axial"].voxels.shape
+    column, row = columns // 4, rows // 3
+    page.keyboard.down("Shift")
+    page.mouse.move(*reader.at("axial", column - 1, row))
+    page.mouse.move(*reader.at("axial", column, row))
+    page.keyboard.up("Shift")
+    expect(reader.canvas("sagittal")).to_have_attribute("data-index", str(column))
+    expect(reader.canvas("coronal")).to_have_attribute("data-index", str(row))
+    here = int(reader.planes["axial"].voxels[reader.index("axial"), row, column])
+    page.mouse.move(5, 5)  # no pointer on a slice: the crosshair's
+    for plane in PLANES:
+        reader.index(plane)
+        reader.says(plane, here)
+
+    # The wheel goes through the slices.
+    before = reader.index("axial")
+    page.mouse.move(*reader.at("axial", column, row))
+    page.mouse.wheel(0, 120)
+    expect(reader.canvas("axial")).to_have_attribute("data-index", str(before + 1))
+    reader.says("axial", int(reader.planes["axial"].voxels[before + 1, row, column]))
+
+
 def test_keys_alone_read_slices_and_a_checker_finds_no_fault(stack: TestStack, visit, cranium: Path):
     page = visit()
     person = Person.arrives(stack, page, "kai")
