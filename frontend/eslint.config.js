@@ -19,4 +19,11 @@ export default tseslint.config(
       ],
     },
   },
+  {
+    files: ["src/**"],
+    ignores: ["src/texts/**"],
+    rules: {
+      "no-restricted-imports": ["error", { patterns: [{ regex: "/texts/(en|de)", message: "One language is loaded: t comes from texts." }] }],
+    },
+  },
 );

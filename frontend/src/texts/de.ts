@@ -19,7 +19,7 @@ import { titles } from "./de/titles";
 import { viewer } from "./de/viewer";
 
 /** The same in German. */
-export const de = {
+export const de: Texts = {
   ...common,
   account,
   add,
@@ -38,4 +38,4 @@ export const de = {
   take,
   titles,
   viewer,
-} as unknown as Texts;
+};

@@ -17,8 +17,6 @@ import { take } from "./en/take";
 import { titles } from "./en/titles";
 import { viewer } from "./en/viewer";
 
-export { t } from "./index";
-
 /** Every text of the page, an area a file. Another language is another folder of the same shape. */
 export const en = {
   ...common,

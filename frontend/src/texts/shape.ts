@@ -6,6 +6,3 @@ export type Translation<Part> = Part extends string
     : Part extends number | boolean
       ? Part
       : { readonly [Key in keyof Part]: Translation<Part[Key]> };
-
-/** While texts are added: what is not translated yet may be missing. */
-export type Soon<Part> = Part extends string | number | boolean | ((...given: never[]) => unknown) | readonly unknown[] ? Part : { readonly [Key in keyof Part]?: Soon<Part[Key]> };

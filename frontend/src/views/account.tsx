@@ -1,7 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { ApiProblem } from "../api/client";
 import type { Me } from "../api/types";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { AccountFrame } from "./account_frame";
 import { CodeField } from "./code_field";
 import { Field } from "./field";

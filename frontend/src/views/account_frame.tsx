@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { Mark } from "./icons";
 import { PageTitle } from "./shell";
 

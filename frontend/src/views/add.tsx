@@ -2,7 +2,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { dropped_files } from "../scan/picked_files";
 import { scan_in_worker } from "../scan/scan_client";
 import type { ScanResult } from "../scan/types";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { Icon } from "./icons";
 import { SeriesList } from "./series_list";
 import { Bar, Notice, PageTitle, use_focus_kept } from "./shell";

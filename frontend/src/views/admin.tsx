@@ -1,6 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import type { AuditEntry, Fleet, User } from "../api/types";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { Dialog } from "./dialog";
 import { Field } from "./field";
 import { Form, fault, faults_of, type Faults } from "./form";

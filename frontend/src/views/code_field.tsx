@@ -1,4 +1,4 @@
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { Field } from "./field";
 
 export interface CodeFieldProps {

@@ -1,5 +1,5 @@
 import { useId, useState } from "preact/hooks";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { Icon } from "./icons";
 
 export interface FieldProps {

@@ -1,5 +1,5 @@
 import { useEffect, useState } from "preact/hooks";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { looks_like_email } from "./account";
 import { AccountFrame } from "./account_frame";
 import { Field } from "./field";

@@ -1,6 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import { body_parts, type DataSet, type GalleryQuestion, type PresetInfo } from "../api/types";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { Choice } from "./choice";
 import { Field } from "./field";
 import { Icon } from "./icons";

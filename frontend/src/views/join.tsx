@@ -1,6 +1,6 @@
 import { useMemo, useState } from "preact/hooks";
 import { guest_place, new_guest, remembered_guest } from "../live/place";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { AccountFrame } from "./account_frame";
 import { Field } from "./field";
 import { Shell } from "./shell";

@@ -1,6 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { useApp } from "./state";
 
 /** What came of a link that was mailed: `text` in words for the person. */

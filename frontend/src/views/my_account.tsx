@@ -1,7 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { export_path } from "../api/client";
 import type { BrowserSession, Export, Me } from "../api/types";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { looks_like_email } from "./account";
 import { Dialog } from "./dialog";
 import { Field } from "./field";

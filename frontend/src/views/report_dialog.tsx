@@ -1,5 +1,5 @@
 import { useId, useState } from "preact/hooks";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { Dialog } from "./dialog";
 import { Notice } from "./shell";
 import { useApp } from "./state";

@@ -1,6 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Report } from "../api/types";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { AdminTabs } from "./admin";
 import { Dialog } from "./dialog";
 import { Field } from "./field";

@@ -1,6 +1,6 @@
 import type { DataSet } from "../api/types";
 import { is_open, time_left, type UploadView } from "../api/upload_view";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { Icon, type IconName } from "./icons";
 import { Link } from "./router";
 import { Bar } from "./shell";

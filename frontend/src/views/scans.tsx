@@ -1,7 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import type { DataSet } from "../api/types";
 import { is_open, type UploadView } from "../api/upload_view";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { Dialog } from "./dialog";
 import { bytes_text } from "./format";
 import { Icon } from "./icons";

@@ -1,6 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import type { NewSecret, SecondFactor as State } from "../api/second_factor";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { CodeField } from "./code_field";
 import { Dialog } from "./dialog";
 import { Field } from "./field";

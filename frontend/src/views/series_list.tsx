@@ -4,7 +4,7 @@ import { SentElsewhere } from "../api/uploads";
 import { bundle_size } from "../scan/bundle";
 import type { ScanResult, Series, Suitable, Thumbnail } from "../scan/types";
 import { part_blobs, sizes_of } from "../scan/upload_plan";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { Field } from "./field";
 import { bytes_text, dicom_date_text } from "./format";
 import { Icon } from "./icons";

@@ -1,6 +1,6 @@
 import { useEffect, useId, useState } from "preact/hooks";
 import { body_parts, type DataSet, type DataSetLink, type SharedPerson } from "../api/types";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { Choice } from "./choice";
 import { Dialog } from "./dialog";
 import { Field } from "./field";

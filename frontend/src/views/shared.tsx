@@ -3,7 +3,7 @@ import { ApiProblem } from "../api/client";
 import { random_key } from "../api/random_key";
 import type { DataSet } from "../api/types";
 import { visit_place } from "../live/place";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { AccountFrame } from "./account_frame";
 import { date_text } from "./format";
 import { title_of } from "./scan_card";

@@ -4,7 +4,7 @@ import { useContext } from "preact/hooks";
 import { Api, ApiProblem } from "../api/client";
 import type { Me } from "../api/types";
 import { Uploads } from "../api/uploads";
-import { t } from "../texts/en";
+import { t } from "../texts";
 
 const asked_again_after_ms = 2000;
 

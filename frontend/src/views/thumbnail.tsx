@@ -1,7 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { ApiProblem } from "../api/client";
 import { preset_names, type PresetInfo, type PresetName } from "../api/types";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { useApp } from "./state";
 
 /** Each picture is rendered when first asked for: one after the other, so that the view itself does not wait. */

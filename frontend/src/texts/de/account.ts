@@ -1,8 +1,7 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 import { count } from "./counting";
 
-export const account: Soon<Texts["account"]> = {
+export const account: Texts["account"] = {
   email: "E-Mail-Adresse",
   password: "Passwort",
   password_hint: "Mindestens 12 Zeichen. Ein paar Wörter hintereinander ergeben ein gutes.",

@@ -1,9 +1,8 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 import { count, fixed, number } from "./counting";
 import { reasons } from "./reasons";
 
-export const add: Soon<Texts["add"]> = {
+export const add: Texts["add"] = {
   lead: "Wählen Sie den Ordner oder die CD, die Sie vom Krankenhaus haben. Die Schichten werden von selbst gefunden, wie auch immer die Dateien heißen.",
   privacy: "Name, Daten und Nummern der Person werden aus den Dateien entfernt, bevor sie gesendet werden: Sie verlassen diesen Browser nie. Der Server behält nur das Volumen und löscht die Dateien.",
   privacy_short: "Der Name wird nur hier gezeigt. Er wird entfernt, bevor etwas gesendet wird.",

@@ -1,7 +1,6 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 
-export const admin: Soon<Texts["admin"]> = {
+export const admin: Texts["admin"] = {
   parts: { users: "Konten", audit: "Protokoll", fleet: "Renderer" },
   search: "Teil einer Adresse, oder eine Kennung",
   find: "Suchen",

@@ -1,8 +1,7 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 import type { common as english } from "../en/common";
 
-export const common: Soon<Pick<Texts, keyof typeof english>> = {
+export const common: Pick<Texts, keyof typeof english> = {
   name: "Diaphane",
   tagline: "Sehen Sie Ihre Aufnahme, wie sie ist.",
   skip: "Zum Inhalt springen",

@@ -1,7 +1,6 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 
-export const cut: Soon<Texts["cut"]> = {
+export const cut: Texts["cut"] = {
   title: "Anonym machen",
   head: "Diese Aufnahme zeigt einen Kopf. An einer Aufnahme kann man ein Gesicht erkennen wie an einem Foto. Der schräge Schnitt nimmt das Gesicht weg; drehen Sie das Bild und sehen Sie nach, ob etwas davon übrig ist.",
   no_head: "Wir haben in dieser Aufnahme keinen Kopf gefunden, aber wir können uns irren. Sehen Sie das Bild von allen Seiten an: Ist ein Gesicht zu sehen, oder etwas anderes, woran man jemanden erkennen kann?",

@@ -1,7 +1,6 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 
-export const live: Soon<Texts["live"]> = {
+export const live: Texts["live"] = {
   open: "Das Bild teilen",
   open_here: (people) => `Das Bild teilen, ${people} hier`,
   title: "Gemeinsam ansehen",

@@ -1,8 +1,7 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 import { fixed } from "./counting";
 
-export const my_account: Soon<Texts["my_account"]> = {
+export const my_account: Texts["my_account"] = {
   room: "Ihr Platz und Ihre Zeit",
   storage: "Platz für Aufnahmen",
   storage_used: (used, all) => `${used} von ${all}`,

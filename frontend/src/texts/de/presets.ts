@@ -1,8 +1,7 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 import { count } from "./counting";
 
-export const presets: Soon<Texts["presets"]> = {
+export const presets: Texts["presets"] = {
   open: "Gespeicherte Voreinstellungen",
   title: "Gespeicherte Voreinstellungen",
   lead: "Eine Voreinstellung merkt sich Farben, Lichter, Schnitte und von wo Sie schauen.",

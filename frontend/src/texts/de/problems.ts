@@ -1,7 +1,6 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 
-export const problems: Soon<Texts["problems"]> = {
+export const problems: Texts["problems"] = {
   offline: "Diaphane ist nicht erreichbar. Prüfen Sie Ihre Verbindung und versuchen Sie es noch einmal.",
   unreachable: "Diaphane ist nicht erreichbar. Es wird weiter versucht …",
   busy: "Diaphane ist gerade ausgelastet. Versuchen Sie es gleich noch einmal.",

@@ -1,8 +1,7 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 import { count, number } from "./counting";
 
-export const reasons: Soon<Texts["add"]["reasons"]> = {
+export const reasons: Texts["add"]["reasons"] = {
   no_slices: () => "Das sind keine Schichten einer CT-, MRT- oder PET-Aufnahme.",
   screenshots: () => "Das sind Bildschirmfotos, keine Schichten einer Aufnahme.",
   scout: () => "Das ist ein Übersichtsbild, nach dem die Aufnahme geplant wurde.",

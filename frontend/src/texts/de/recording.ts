@@ -1,8 +1,7 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 import { count, fixed } from "./counting";
 
-export const recording: Soon<Texts["recording"]> = {
+export const recording: Texts["recording"] = {
   open: "Aufzeichnung",
   title: "Aufzeichnen, wie ich Bilder ansehe",
   lead: "Das hilft, Diaphane so schneller zu machen, wie Menschen es wirklich benutzen. Aufgezeichnet wird, wie Sie ein Bild drehen und sein Aussehen wählen, und wann: nicht Ihr Name, nicht welche Aufnahme, kein Bild. Aufzeichnungen werden nach 90 Tagen gelöscht, und wann immer Sie möchten.",

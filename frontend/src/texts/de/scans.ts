@@ -1,8 +1,7 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 import { count } from "./counting";
 
-export const scans: Soon<Texts["scans"]> = {
+export const scans: Texts["scans"] = {
   lead_empty: "Bringen Sie eine Aufnahme mit: einen Ordner oder eine CD aus Ihrem Krankenhaus, mit Dateien im DICOM-Format.",
   empty: "Noch keine Aufnahmen",
   add: "Neue Aufnahme",

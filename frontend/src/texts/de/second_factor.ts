@@ -1,7 +1,6 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 
-export const second_factor: Soon<Texts["second_factor"]> = {
+export const second_factor: Texts["second_factor"] = {
   title: "Zweiter Faktor",
   about: "Mit einem zweiten Faktor werden Sie beim Anmelden nach Ihrem Passwort und nach einem Code gefragt, den eine App auf Ihrem Telefon zeigt (jede App für zeitabhängige Einmalcodes). Wer nur Ihr Passwort kennt, kommt nicht hinein.",
   required: "Sie gehören zur Verwaltung. Deren Seiten öffnen sich, sobald Sie einen zweiten Faktor eingerichtet haben.",

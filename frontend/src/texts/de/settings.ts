@@ -1,5 +1,4 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 import { count } from "./counting";
 
 /** Names that the renderer gives; those that a person gave stay as they are. */
@@ -8,7 +7,7 @@ const known: Readonly<Record<string, string>> = {
 };
 const name_of = (name: string): string => (Object.hasOwn(known, name) ? (known[name] ?? name) : name);
 
-export const settings: Soon<Texts["settings"]> = {
+export const settings: Texts["settings"] = {
   menu: "Das Bild ändern",
   undo: "Rückgängig",
   redo: "Wiederholen",

@@ -1,8 +1,7 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 import { count } from "./counting";
 
-export const sharing: Soon<Texts["sharing"]> = {
+export const sharing: Texts["sharing"] = {
   open: "Diese Aufnahme teilen",
   open_of: (title) => `${title} teilen`,
   with_me: "Mit mir geteilt",

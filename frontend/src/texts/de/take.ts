@@ -1,8 +1,7 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 import { number } from "./counting";
 
-export const take: Soon<Texts["take"]> = {
+export const take: Texts["take"] = {
   title: "Mitnehmen",
   picture: "Ein Bild",
   picture_lead: "Es wird in der gewählten Größe neu berechnet, während Sie weiter zusehen. Die Datei enthält das Bild und sonst nichts: keinen Namen, kein Datum, nicht welche Aufnahme.",

@@ -1,7 +1,6 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 
-export const titles: Soon<Texts["titles"]> = {
+export const titles: Texts["titles"] = {
   sign_up: "Legen Sie Ihr Konto an",
   sign_in: "Anmelden",
   code: "Ihr Code",

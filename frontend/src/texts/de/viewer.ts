@@ -1,8 +1,7 @@
 import type { Texts } from "..";
-import type { Soon } from "../shape";
 import { count, fixed, number } from "./counting";
 
-export const viewer: Soon<Texts["viewer"]> = {
+export const viewer: Texts["viewer"] = {
   back: "Meine Aufnahmen",
   stage: "Die Aufnahme in drei Dimensionen. Pfeiltasten drehen, Plus und Minus vergrößern und verkleinern, R setzt zurück, 1 bis 4 wählen ein Aussehen, das Fragezeichen zeigt alle Tasten.",
   first: "Das Bild wird vorbereitet …",
@@ -66,7 +65,7 @@ export const viewer: Soon<Texts["viewer"]> = {
     ["Aussehen wählen", "", "", "1 bis 4"],
     ["Rückgängig", "Menü links", "Menü links", "Strg + Z"],
     ["Wiederholen", "Menü links", "Menü links", "Strg + Umschalt + Z"],
-    ["Schnitte", "Knopf oben", "Knopf oben", "V"],
+    ["Schichten", "Knopf oben", "Knopf oben", "V"],
     ["Ganzer Bildschirm", "", "", "F"],
     ["Bild speichern", "", "", "S"],
   ],

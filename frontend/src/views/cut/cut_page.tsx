@@ -3,7 +3,7 @@ import { ApiProblem } from "../../api/client";
 import type { DataSet } from "../../api/types";
 import { to_body, type Region } from "../../cut/region";
 import { own_place } from "../../live/place";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import { Link } from "../router";
 import { title_of } from "../scan_card";
 import { Bar, Notice, PageTitle, Shell } from "../shell";

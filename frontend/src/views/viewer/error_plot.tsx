@@ -1,4 +1,4 @@
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import { plot_of } from "../../video/plot_scale";
 import type { ErrorPoint } from "../../video/viewer_session";
 import { number_text } from "../format";

@@ -1,4 +1,4 @@
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import { Dialog } from "../dialog";
 
 export function HelpDialog({ onClose }: { readonly onClose: () => void }) {

@@ -1,5 +1,5 @@
 import type { Role } from "../../live/role";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { shown_name } from "./share_dialog";
 

@@ -1,6 +1,6 @@
 import { cube_faces } from "../../input/cube";
 import { camera_of } from "../../protocol/messages";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 
 /** Which side of the patient one looks at: L, R, A, P, S, I on a cube that turns with the picture. */

@@ -1,7 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { asked_again_ms, picture_time } from "../../api/picture_time";
 import type { Me } from "../../api/types";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import { day_text, time_text } from "../format";
 import { Icon } from "../icons";
 import { Link } from "../router";

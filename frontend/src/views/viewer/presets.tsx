@@ -1,6 +1,6 @@
 import { preset_names, type PresetName } from "../../api/types";
 import type { Preset } from "../../protocol/messages";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { use_thumbnail } from "../thumbnail";
 

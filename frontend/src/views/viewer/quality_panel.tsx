@@ -1,6 +1,5 @@
 import { useState } from "preact/hooks";
-import { t } from "../../texts/en";
-import { place } from "../../texts";
+import { place, t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Icon } from "../icons";
 import { ErrorPlot } from "./error_plot";

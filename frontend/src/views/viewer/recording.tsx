@@ -4,7 +4,7 @@ import { recording_path, type Api } from "../../api/client";
 import type { Recordings } from "../../api/types";
 import { Recorder, type Recording } from "../../live/recorder";
 import { role_of } from "../../live/role";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
 import { useApp } from "../state";

@@ -3,7 +3,7 @@ import { ApiProblem } from "../../api/client";
 import { preset_xml_path } from "../../api/sharing";
 import type { DataSet, PresetInfo } from "../../api/types";
 import { scene_from_json, scene_to_json } from "../../protocol/messages";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
 import { Field } from "../field";

@@ -1,7 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Role } from "../../live/role";
 import type { Participant } from "../../protocol/messages";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
 import { Icon } from "../icons";

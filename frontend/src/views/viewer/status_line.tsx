@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Icon } from "../icons";
 import { Link } from "../router";

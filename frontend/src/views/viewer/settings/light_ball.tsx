@@ -1,7 +1,7 @@
 import { useRef } from "preact/hooks";
 import { direction_on_ball, unit_of, type Direction } from "../../../scene/direction";
 import { clamp } from "../../../scene/numbers";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 
 export interface LightBallProps {
   readonly direction: Direction;

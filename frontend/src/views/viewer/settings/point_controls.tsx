@@ -1,7 +1,7 @@
 import type { Channel } from "../../../protocol/gen/api/proto/scene_pb";
 import type { Limits } from "../../../scene/numbers";
 import * as transfer from "../../../scene/transfer";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 import { Icon } from "../../icons";
 import { NumberControl } from "./controls";
 

@@ -1,6 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 import { Icon } from "../../icons";
 import { place_in, type Layout, type WindowName } from "./layout";
 

@@ -3,7 +3,7 @@ import type { TransferFunction } from "../../../protocol/gen/api/proto/scene_pb"
 import type { Histogram } from "../../../protocol/messages";
 import { hex_of } from "../../../scene/colour";
 import { outline } from "../../../scene/histogram";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 import { number_text } from "../../format";
 import { area_of, graph_edge, graph_height, graph_width, line_of, nearest_point, opacity_of, points_of, value_at, type At } from "./curve";
 import type { PointActs } from "./point_controls";

@@ -2,7 +2,7 @@ import { is_whole, measured, type Measure } from "../../../slices/measure";
 import { point_of, type Area, type Placing, type Point } from "../../../slices/placing";
 import { spot_of, type Stack } from "../../../slices/stack";
 import type { Vec3 } from "../../../input/vec3";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 
 export interface MarksProps {
   readonly stack: Stack;

@@ -1,9 +1,10 @@
-import { short_number, typed_number, type Limits } from "../../../scene/numbers";
+import { typed_number, type Limits } from "../../../scene/numbers";
 import { tools, type Shown, type Slices } from "../../../slices/model";
 import { without_last } from "../../../slices/measure";
 import { usual_windows, window_limits, type UsualWindow } from "../../../slices/window";
 import { Modality, type VolumeHeader } from "../../../protocol/messages";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
+import { number_text } from "../../format";
 import { Icon } from "../../icons";
 
 const views: readonly Shown[] = ["four", "axial", "sagittal", "coronal", "picture"];
@@ -78,14 +79,14 @@ function Typed({ label, value, limits, take }: TypedProps) {
   return (
     <label class="slice-typed">
       <span>{label}</span>
-      <input type="text" inputMode="decimal" autocomplete="off" maxLength={12} value={short_number(value)}
+      <input type="text" inputMode="decimal" autocomplete="off" maxLength={12} value={number_text(value)}
         onFocus={(event) => event.currentTarget.select()}
         onKeyDown={(event) => {
           if (event.key === "Enter") event.currentTarget.blur();
         }}
         onBlur={(event) => {
           const typed = typed_number(event.currentTarget.value, limits);
-          event.currentTarget.value = short_number(typed ?? value);
+          event.currentTarget.value = number_text(typed ?? value);
           if (typed !== null && typed !== value) take(typed);
         }} />
     </label>

@@ -4,7 +4,7 @@ import type { Area } from "../../../slices/placing";
 import { edges_of, is_inside, said_place, type Plane, type Stack } from "../../../slices/stack";
 import type { Vec3 } from "../../../input/vec3";
 import { Modality, type VolumeHeader } from "../../../protocol/messages";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 import { Icon } from "../../icons";
 import { Marks } from "./marks";
 import { PaneDeeds } from "./pane_deeds";

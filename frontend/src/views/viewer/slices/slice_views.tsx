@@ -1,7 +1,7 @@
 import { useEffect } from "preact/hooks";
 import { can_inflate } from "../../../slices/coding";
 import type { Shown } from "../../../slices/model";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon } from "../../icons";
 import { SliceBar } from "./slice_bar";

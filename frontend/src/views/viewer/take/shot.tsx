@@ -1,6 +1,6 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Place } from "../../../live/place";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 import { probe_stills } from "../../../video/tile_pixels";
 import { browser_parts, StillShot, type ShotOrder, type ShotState } from "../../../video/still_shot";
 import { Icon } from "../../icons";

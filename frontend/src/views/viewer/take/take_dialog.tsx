@@ -1,7 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Viewport } from "../../../protocol/messages";
 import { link_of } from "../../../scene/scene_link";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 import { longest_side, shortest_side, type ShotOrder } from "../../../video/still_shot";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Choice } from "../../choice";
