@@ -19,11 +19,4 @@ export default tseslint.config(
       ],
     },
   },
-  {
-    files: ["src/**"],
-    ignores: ["src/texts/**"],
-    rules: {
-      "no-restricted-imports": ["error", { patterns: [{ regex: "/texts/(en|de)", message: "One language is loaded: t comes from texts." }] }],
-    },
-  },
 );

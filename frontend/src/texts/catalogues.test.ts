@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { de } from "./de";
-import { en } from "./en";
+import { en } from "./en/en";
 
 type Node = Readonly<Record<string, unknown>>;
 const is_node = (value: unknown): value is Node => typeof value === "object" && value !== null;

@@ -1,13 +1,13 @@
 import { signal } from "@preact/signals";
 import { choose_language, place_of, type Language } from "./choose";
-import type { en } from "./en";
+import type { en } from "./en/en";
 import type { Translation } from "./shape";
 
 export type Texts = Translation<typeof en>;
 
 /** Only the language that is shown is loaded. */
 const catalogues: Record<Language, () => Promise<Texts>> = {
-  en: async () => (await import("./en")).en,
+  en: async () => (await import("./en/en")).en,
   de: async () => (await import("./de")).de,
 };
 

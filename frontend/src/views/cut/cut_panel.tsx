@@ -2,7 +2,7 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Anonymise } from "../../api/anonymise";
 import { bounds_of, from_proposal, handles, moved, part_that_goes, range_of, to_body, whole, type Box, type Handle, type Region } from "../../cut/region";
 import { camera_of, with_clip, type VolumeHeader } from "../../protocol/messages";
-import { t } from "../../texts";
+import { t } from "../../texts/en";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
 import { Link } from "../router";

@@ -1,7 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { CameraPose } from "../../input/camera";
 import { corners, dragged, edges, handles_to_take, moved, on_screen, plane_in_box, range_of, type Box, type Handle, type PlacedHandle, type Region } from "../../cut/region";
-import { t } from "../../texts";
+import { t } from "../../texts/en";
 
 export const name_of = (handle: Handle): string => (handle.kind === "plane" ? t.cut.plane : t.cut.faces[handle.axis][handle.side]);
 export const key_of = (handle: Handle): string => (handle.kind === "plane" ? "plane" : `${handle.axis}-${handle.side}`);

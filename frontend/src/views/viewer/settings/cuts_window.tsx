@@ -1,7 +1,7 @@
 import { bounds_of, type Box } from "../../../cut/region";
 import { Slices_Colouring } from "../../../protocol/gen/api/proto/scene_pb";
 import * as cuts from "../../../scene/cuts";
-import { t } from "../../../texts";
+import { t } from "../../../texts/en";
 import { Icon } from "../../icons";
 import { NumberControl, Switch, type WindowProps } from "./controls";
 

@@ -1,6 +1,6 @@
 import { Shading_Mode, type Scene } from "../../../protocol/gen/api/proto/scene_pb";
 import * as lens from "../../../scene/lens";
-import { t } from "../../../texts";
+import { t } from "../../../texts/en";
 import { ColourControl, NumberControl, Switch, type WindowProps } from "./controls";
 
 const modes = [["phase", Shading_Mode.PHASE], ["surface", Shading_Mode.SURFACE], ["hybrid", Shading_Mode.HYBRID]] as const;

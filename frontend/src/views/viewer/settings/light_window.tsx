@@ -5,7 +5,7 @@ import { camera_of } from "../../../protocol/messages";
 import { hex_of, hue_of } from "../../../scene/colour";
 import { reach_of } from "../../../scene/cuts";
 import * as lights from "../../../scene/lights";
-import { t } from "../../../texts";
+import { t } from "../../../texts/en";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon } from "../../icons";
 import { ColourControl, NumberControl, Switch, type WindowProps } from "./controls";

@@ -1,5 +1,5 @@
 import { useEffect, useRef, useState } from "preact/hooks";
-import { t } from "../../../texts";
+import { t } from "../../../texts/en";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon, type IconName } from "../../icons";
 import { CutsWindow } from "./cuts_window";

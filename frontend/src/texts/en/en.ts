@@ -1,0 +1,40 @@
+import { account } from "./account";
+import { admin } from "./admin";
+import { add } from "./add";
+import { common } from "./common";
+import { cut } from "./cut";
+import { live } from "./live";
+import { presets } from "./presets";
+import { my_account } from "./my_account";
+import { problems } from "./problems";
+import { recording } from "./recording";
+import { scans } from "./scans";
+import { second_factor } from "./second_factor";
+import { settings } from "./settings";
+import { sharing } from "./sharing";
+import { slices } from "./slices";
+import { take } from "./take";
+import { titles } from "./titles";
+import { viewer } from "./viewer";
+
+/** Every text of the page, an area a file. Another language is another folder of the same shape. */
+export const en = {
+  ...common,
+  account,
+  admin,
+  add,
+  cut,
+  live,
+  presets,
+  my_account,
+  problems,
+  recording,
+  scans,
+  second_factor,
+  settings,
+  sharing,
+  slices,
+  take,
+  titles,
+  viewer,
+} as const;
