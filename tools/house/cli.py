@@ -85,6 +85,12 @@ def _parser() -> argparse.ArgumentParser:
     bench.set_defaults(takes_rest=True)    # a measurement may have options of its own
     bill = command("sbom", _sbom, "[FILE]: what Diaphane is made of, with versions, as CycloneDX JSON")
     bill.add_argument("file", nargs="?", type=Path, metavar="FILE", help="where to write it (default: standard output)")
+    made = command("image", _image, "build the container image with buildah, from the programs of this checkout; by root")
+    made.add_argument("--out", type=Path, metavar="FILE.tar", help="write it there too, as an OCI archive")
+    made.add_argument("--check", action="store_true", help="then look at it: size, no compiler, each program on a read-only root")
+    made.add_argument("--base", metavar="IMAGE", help="a Debian 12 to pull, instead of one made by debootstrap")
+    made.add_argument("--source", action="store_true", help="build the programs inside, from this checkout's sources")
+    made.add_argument("--stage", type=Path, metavar="FOLDER", help="only lay out there what goes in (the Containerfile's first stage)")
     pictures = command("screenshots", _screenshots, "FOLDER: a picture of every page at three sizes, light and dark, to be looked at")
     pictures.add_argument("folder", type=Path)
     pictures.add_argument("--only", default="", metavar="TEXT", help="only what has this in its name (person-scans, nobody-sign-in, viewer-light, ...)")
@@ -167,6 +173,12 @@ def _sbom(options: argparse.Namespace, _: list[str]) -> int:
     from . import sbom
 
     return sbom.run(options.file)
+
+
+def _image(options: argparse.Namespace, _: list[str]) -> int:
+    from . import image
+
+    return image.run(options.out, options.check, options.base, options.source, options.stage)
 
 
 def _admin(options: argparse.Namespace, _: list[str]) -> int:

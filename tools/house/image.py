@@ -1,0 +1,228 @@
+"""The container image: what of this machine goes into it (`stage`), and its making by buildah (Containerfile)."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import tarfile
+from pathlib import Path
+
+from . import build, install, packages, paths, sbom, venv
+from .says import HouseError, say, step
+
+CHART = paths.REPO / "helm" / "diaphane"
+LIMIT = 600_000_000
+#: Beside what the chart's pods run: for a person in a pod, where the build has them.
+_TOOLS = ("diaphane-scan", "diaphane-render", "diaphane-sample")
+_NGINX = Path("/usr/sbin/nginx")
+_CERTIFICATES = Path("/usr/share/ca-certificates/mozilla")
+#: From Debian, on the machine that builds the image; only these names, no services.
+_MAKERS = ["buildah", "debootstrap"]
+
+
+def version() -> str:
+    """Of the chart's programs, which is the image's tag."""
+    return re.search(r'^appVersion: "(.+)"$', (CHART / "Chart.yaml").read_text(encoding="utf-8"), re.MULTILINE)[1]
+
+
+def name() -> str:
+    return f"localhost/diaphane:{version()}"
+
+
+def chart_programs() -> list[str]:
+    """What the chart's pods start."""
+    text = "".join(file.read_text(encoding="utf-8") for file in sorted((CHART / "templates").rglob("*.yaml")))
+    return sorted(set(re.findall(r"/opt/diaphane/bin/(diaphane-[a-z]+)", text)))
+
+
+def has_target(program: str) -> bool:
+    """Whether this checkout's sources have the program."""
+    return any(re.search(rf"\bOUTPUT {program}(?![\w-])", file.read_text(encoding="utf-8"))
+               for part in ("api", "ingest", "operator", "renderd") for file in (paths.REPO / part).rglob("CMakeLists.txt"))
+
+
+# What goes in
+
+def stage(into: Path) -> None:
+    """Lays it out in `into` as it will lie in the image."""
+    if into.exists():
+        raise HouseError(f"{into} is there already")
+    bin_dir = paths.build_dir() / "bin"
+    needed = [program for program in chart_programs() if has_target(program)]
+    if absent := [program for program in needed if not (bin_dir / program).exists()]:
+        raise HouseError(f"{bin_dir} has no {', '.join(absent)}, which the chart starts")
+    ours = [bin_dir / program for program in (*needed, *_TOOLS) if (bin_dir / program).exists()]
+    page = paths.FRONTEND / "dist"
+    if not (page / "index.html").exists():
+        raise HouseError("the page is not built (frontend/dist)")
+    home = into / "opt" / "diaphane"
+    (home / "bin").mkdir(parents=True)
+    for file in ours:
+        subprocess.run(["strip", "-o", str(home / "bin" / file.name), str(file)], check=True)
+    shutil.copytree(page, home / "page")
+    shutil.copytree(paths.REPO / "migrations", home / "migrations")
+    _nvrtc(bin_dir / "diaphane-renderd", home / "lib")
+    _put(_NGINX, into)
+    _certificates(into)
+    _libraries([*ours, _NGINX], into, home)
+
+
+def _put(file: Path, into: Path) -> None:
+    """A file at its place, with what a link points at. Debian's /lib is /usr/lib."""
+    place = into / str(file.parent.resolve() / file.name).lstrip("/")
+    place.parent.mkdir(parents=True, exist_ok=True)
+    if place.exists() or place.is_symlink():
+        return
+    shutil.copy2(file, place, follow_symlinks=False)
+    if file.is_symlink():
+        target = Path(os.readlink(file))
+        _put(target if target.is_absolute() else file.parent / target, into)
+
+
+def _nvrtc(renderd: Path, into: Path) -> None:
+    """The run-time compiler of kernels, where the CUDA engine is compiled in."""
+    if b"nvrtcCompileProgram" not in renderd.read_bytes():
+        say("renderd is built without CUDA: the image has the CPU engine alone")
+        return
+    found = [file for file in sorted((venv.cuda_root() / "lib").glob("libnvrtc*.so.*")) if ".alt." not in file.name]
+    if len(found) != 2:
+        raise HouseError(f"NVRTC is not in {venv.cuda_root() / 'lib'} (docs/gpu.md)")
+    into.mkdir(parents=True)
+    for file in found:
+        shutil.copy2(file, into / file.name)
+
+
+def _certificates(into: Path) -> None:
+    """Mozilla's, as Debian has them; not those that an administrator added to this machine."""
+    place = into / "etc" / "ssl" / "certs" / "ca-certificates.crt"
+    place.parent.mkdir(parents=True)
+    texts = [file.read_text(encoding="ascii") for file in sorted(_CERTIFICATES.glob("*.crt"))]
+    if not texts:
+        raise HouseError("Debian's package ca-certificates is not installed")
+    place.write_text("".join(texts), encoding="ascii")
+
+
+def _libraries(programs: list[Path], into: Path, home: Path) -> None:
+    """All that the loader would load, each package's licence and entry for scanners, and the list of components."""
+    linked = {program: sbom.linked_files(program) for program in programs}
+    files = {file for listed in linked.values() for file in listed}
+    for file in files:
+        _put(file, into)
+    owner = sbom.owners([*files, _NGINX])
+    names = {*owner.values(), "ca-certificates"}
+    parts = sbom.debian_parts(names, needed=True)
+    for package in sorted(parts):
+        _package(package, into)
+    made = [sbom.Program(program.name, [parts[owner[file]].url for file in linked[program] if owner.get(file) in parts]) for program in programs]
+    npm = sbom.npm_parts(json.loads((paths.FRONTEND / "package-lock.json").read_text(encoding="utf-8")))
+    cuda = sbom.python_parts((paths.TOOLS / "requirements.txt").read_text(encoding="utf-8")) if (home / "lib").exists() else []
+    listed = [*parts.values(), *(part for part in npm if part.needed), *(part for part in cuda if part.name == "cuda-toolkit")]
+    document = sbom.document(version(), "1970-01-01T00:00:00Z", made, listed)
+    (home / "sbom.json").write_text(json.dumps(document, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def _package(package: str, into: Path) -> None:
+    plain = package.partition(":")[0]
+    licence = Path("/usr/share/doc") / plain / "copyright"
+    if licence.exists():
+        place = into / "usr/share/doc" / plain / "copyright"
+        place.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(licence, place)       # a link's target
+    status = subprocess.run(["dpkg-query", "-s", package], capture_output=True, text=True, check=True).stdout
+    place = into / "var/lib/dpkg/status.d" / plain
+    place.parent.mkdir(parents=True, exist_ok=True)
+    place.write_text(status, encoding="utf-8")
+
+
+# Making it
+
+def folder() -> Path:
+    return paths.REPO / "build" / "image"
+
+
+def buildah(*words: str, capture: bool = True) -> str:
+    """With a store of its own. No overlay file system and no namespaces are asked for: they are not everywhere."""
+    store = folder()
+    command = ["buildah", "--root", str(store / "store"), "--runroot", str(store / "run"), "--storage-driver", "vfs", *words]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, text=True, env={**os.environ, "BUILDAH_ISOLATION": "chroot"},
+                          stdout=subprocess.PIPE if capture else None, stderr=subprocess.STDOUT if capture else None)
+    if done.returncode != 0:
+        raise HouseError(f"buildah {words[0]} failed:\n" + "\n".join((done.stdout or "").splitlines()[-30:]))
+    return (done.stdout or "").strip()
+
+
+def _base() -> str:
+    """A Debian of this machine's release, made by debootstrap once."""
+    release = re.search(r"^VERSION_CODENAME=(\S+)", Path("/etc/os-release").read_text(encoding="utf-8"), re.MULTILINE)[1]
+    tag = f"localhost/debian-minbase:{release}"
+    made = folder() / f"base-{release}"
+    archive = made / "base.tar"
+    if not archive.exists():
+        step(f"Making a base of Debian {release} by debootstrap (minutes)")
+        shutil.rmtree(made, ignore_errors=True)
+        root = made / "root"
+        root.mkdir(parents=True)
+        done = subprocess.run(["debootstrap", "--variant=minbase", release, str(root), _mirror(release)], stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if done.returncode != 0:
+            raise HouseError("debootstrap failed:\n" + "\n".join(done.stdout.splitlines()[-20:]))
+        (root / "etc/apt/sources.list").write_text(f"deb http://deb.debian.org/debian {release} main\n", encoding="ascii")
+        for cache in (root / "var/cache/apt/archives").glob("*.deb"):
+            cache.unlink()
+        for machine in ("etc/resolv.conf", "etc/hostname"):
+            (root / machine).unlink(missing_ok=True)
+        with tarfile.open(made / "new.tar", "w") as tar:
+            for entry in sorted(root.iterdir()):
+                if entry.name not in ("proc", "sys", "dev"):
+                    tar.add(entry, entry.name)
+                else:
+                    tar.add(entry, entry.name, recursive=False)
+        shutil.rmtree(root)
+        (made / "new.tar").rename(archive)
+    (made / "Containerfile").write_text("FROM scratch\nADD base.tar /\n", encoding="ascii")
+    buildah("bud", "-t", tag, str(made))
+    return tag
+
+
+def _mirror(release: str) -> str:
+    """Where this machine gets Debian from."""
+    told = subprocess.run(["apt-get", "indextargets", "--format", "$(REPO_URI)", "Identifier: Packages", f"Codename: {release}", "Component: main"],
+                          capture_output=True, text=True).stdout.split()
+    return told[0] if told else "http://deb.debian.org/debian"
+
+
+def run(out: Path | None, check: bool, base: str | None, source: bool, only_stage: Path | None) -> int:
+    if only_stage is None and os.geteuid() != 0:
+        raise HouseError("an image is built by root (debootstrap, and owners of files)")
+    if not source:
+        install.ensure("up")
+        build.build_page()
+        build.build_programs()
+    if only_stage is not None:
+        stage(only_stage)
+        return 0
+    if absent := packages.missing(_MAKERS):
+        packages.install(absent)
+    folder().mkdir(parents=True, exist_ok=True)
+    base = base or _base()
+    context = paths.REPO
+    if not source:
+        step("Laying out what goes in")
+        context = folder() / "context"
+        shutil.rmtree(context, ignore_errors=True)
+        stage(context / "staged")
+    step("Building the image")
+    buildah("bud", "-t", name(), "--build-arg", f"BASE={base}", "-f", str(paths.REPO / "Containerfile"), str(context), capture=not source)
+    if out is not None:
+        out.unlink(missing_ok=True)
+        buildah("push", name(), f"oci-archive:{out.resolve()}:{name()}")
+        step(f"{out}: {out.stat().st_size / 1e6:.0f} MB compressed")
+    step(f"{name()} in {folder() / 'store'}")
+    if check:
+        from . import image_check
+
+        return image_check.run()
+    return 0
