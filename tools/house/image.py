@@ -38,12 +38,6 @@ def chart_programs() -> list[str]:
     return sorted(set(re.findall(r"/opt/diaphane/bin/(diaphane-[a-z]+)", text)))
 
 
-def has_target(program: str) -> bool:
-    """Whether this checkout's sources have the program."""
-    return any(re.search(rf"\bOUTPUT {program}(?![\w-])", file.read_text(encoding="utf-8"))
-               for part in ("api", "ingest", "operator", "renderd") for file in (paths.REPO / part).rglob("CMakeLists.txt"))
-
-
 # What goes in
 
 def stage(into: Path) -> None:
@@ -51,7 +45,7 @@ def stage(into: Path) -> None:
     if into.exists():
         raise HouseError(f"{into} is there already")
     bin_dir = paths.build_dir() / "bin"
-    needed = [program for program in chart_programs() if has_target(program)]
+    needed = chart_programs()
     if absent := [program for program in needed if not (bin_dir / program).exists()]:
         raise HouseError(f"{bin_dir} has no {', '.join(absent)}, which the chart starts")
     ours = [bin_dir / program for program in (*needed, *_TOOLS) if (bin_dir / program).exists()]
@@ -126,15 +120,24 @@ def _libraries(programs: list[Path], into: Path, home: Path) -> None:
 
 def _package(package: str, into: Path) -> None:
     plain = package.partition(":")[0]
-    licence = Path("/usr/share/doc") / plain / "copyright"
-    if licence.exists():
-        place = into / "usr/share/doc" / plain / "copyright"
-        place.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy2(licence, place)       # a link's target
+    _documents(Path("/usr/share/doc") / plain, into)
     status = subprocess.run(["dpkg-query", "-s", package], capture_output=True, text=True, check=True).stdout
     place = into / "var/lib/dpkg/status.d" / plain
     place.parent.mkdir(parents=True, exist_ok=True)
     place.write_text(status, encoding="utf-8")
+
+
+def _documents(of: Path, into: Path) -> None:
+    """A package's licence; libgcc-s1's folder and others are links to that of the package they were made with."""
+    place = into / str(of).lstrip("/")
+    if of.is_symlink():
+        place.parent.mkdir(parents=True, exist_ok=True)
+        if not place.is_symlink():
+            place.symlink_to(os.readlink(of))
+        _documents(of.parent / os.readlink(of), into)
+    elif (of / "copyright").exists():
+        place.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(of / "copyright", place / "copyright")
 
 
 # Making it
