@@ -68,6 +68,9 @@ def walk(page, address: str, samples: int = SAMPLES, only: Sequence[str] | None 
         page.goto("about:blank")    # the page keeps what it shows when it is left
         page.goto(address)
         page.wait_for_selector("canvas[data-samples]")
+        hints = page.get_by_role("button", name="Hide the hints", exact=True)
+        if step is not STEPS[0] and hints.count():
+            hints.click()
         step.deed(page)
         settle(page, samples)
         yield step.name

@@ -1,6 +1,7 @@
 import { expect, test } from "vitest";
 import { cross, dot, vec3 } from "../input/vec3";
-import { bounds_of, dragged, from_proposal, handle_px, handles, handles_to_take, moved, on_screen, part_that_goes, plane_in_box, place_of, range_of, to_body, whole } from "./region";
+import { dragged, handle_px, on_screen } from "../picture/project";
+import { bounds_of, from_proposal, handles, handles_to_take, moved, part_that_goes, plane_in_region, place_of, range_of, to_body, whole } from "./region";
 
 const bounds = bounds_of({ size: [100, 200, 50], spacing: [1, 1, 4], direction: [1, 0, 0, 0, 1, 0, 0, 0, 1] });
 const front = { eye: vec3(0, -500, 0), target: vec3(0, 0, 0), up: vec3(0, 0, 1), verticalFovDegrees: 30 };
@@ -33,7 +34,7 @@ test("a proposal for a head that looks aside stays the plane that it is, and is 
   const plane = to_body(region).planes?.[0];
   plane?.normal.forEach((v, i) => { expect(v).toBeCloseTo(normal[i] ?? 0, 9); });
   expect(side(plane?.point ?? [])).toBeCloseTo(side(point), 9);
-  const polygon = plane_in_box(region);
+  const polygon = plane_in_region(region);
   expect(polygon.length).toBeGreaterThanOrEqual(3);
   for (const p of polygon) expect(side([p.x, p.y, p.z])).toBeCloseTo(side(point), 6);
   // In order around: each turn goes the same way.
@@ -88,13 +89,13 @@ test("a handle stays under the hand that drags it", () => {
 
 test("the plane's polygon lies in the plane and in the box", () => {
   const region = { ...whole(bounds), plane: { on: true, tilt: 50, aside: 0, offset: 20 } };
-  const points = plane_in_box(region);
+  const points = plane_in_region(region);
   expect(points.length).toBe(4);
   for (const p of points) {
     expect(-Math.cos((50 * Math.PI) / 180) * p.y - Math.sin((50 * Math.PI) / 180) * p.z).toBeCloseTo(20, 6);
     expect(Math.abs(p.x)).toBeLessThanOrEqual(50);
   }
-  expect(plane_in_box({ ...region, plane: { ...region.plane, offset: 999 } })).toEqual([]);
+  expect(plane_in_region({ ...region, plane: { ...region.plane, offset: 999 } })).toEqual([]);
 });
 
 test("how much goes is said about right", () => {

@@ -1,5 +1,5 @@
-import { orbit_frame, orbit_of, type CameraPose } from "../input/camera";
-import { add, cross, dot, length, scale, subtract, vec3, type Vec3 } from "../input/vec3";
+import { dot, length, scale, subtract, vec3, type Vec3 } from "../input/vec3";
+import { apart, face_of, middle_of, on_screen, plane_in_box, type Axis, type Box, type Eye, type Screen } from "../picture/project";
 
 /** Where a plane's normal points, from straight ahead, and where the plane is. */
 export interface FacePlane {
@@ -17,11 +17,6 @@ export interface Region {
   readonly low: Vec3;
   readonly high: Vec3;
   readonly plane: FacePlane;
-}
-
-export interface Box {
-  readonly low: Vec3;
-  readonly high: Vec3;
 }
 
 export const least_side_mm = 10;
@@ -75,7 +70,6 @@ export function to_body(region: Region): RegionBody {
   return { box: { low: numbers(region.low), high: numbers(region.high) }, planes };
 }
 
-export type Axis = "x" | "y" | "z";
 export type Handle = { readonly kind: "face"; readonly axis: Axis; readonly side: "low" | "high" } | { readonly kind: "plane" };
 
 export const handles: readonly Handle[] = [
@@ -103,83 +97,15 @@ export function moved(handle: Handle, to: number, region: Region, bounds: Box): 
   return { ...region, [handle.side]: { ...region[handle.side], [handle.axis]: at } };
 }
 
-export function corners(box: Box): Vec3[] {
-  const of = (i: number, bit: number, axis: Axis) => (i & bit ? box.high[axis] : box.low[axis]);
-  return [0, 1, 2, 3, 4, 5, 6, 7].map((i) => vec3(of(i, 1, "x"), of(i, 2, "y"), of(i, 4, "z")));
-}
-
-/** Pairs of corners. */
-export const edges: readonly (readonly [number, number])[] = [
-  [0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7],
-];
-
-/** Where the plane meets the box: a polygon, its corners in order around; nothing when it passes by. */
-export function plane_in_box(region: Region): Vec3[] {
-  if (!region.plane.on) return [];
-  const normal = plane_normal(region.plane);
-  const points = corners(region);
-  const crossing: Vec3[] = [];
-  for (const [a, b] of edges) {
-    const from = points[a], to = points[b];
-    if (!from || !to) continue;
-    const before = dot(normal, from) - region.plane.offset, behind = dot(normal, to) - region.plane.offset;
-    if (before * behind < 0) crossing.push(add(from, scale(subtract(to, from), before / (before - behind))));
-  }
-  const middle = middle_of(crossing);
-  if (!middle) return [];
-  // Around it by the level direction that it holds and the one across.
-  const aside = radians(region.plane.aside);
-  const level = vec3(Math.cos(aside), Math.sin(aside), 0);
-  const across = cross(normal, level);
-  const angle = (p: Vec3) => Math.atan2(dot(subtract(p, middle), across), dot(subtract(p, middle), level));
-  return crossing.sort((p, q) => angle(p) - angle(q));
-}
-
-export function middle_of(points: readonly Vec3[]): Vec3 | null {
-  return points.length === 0 ? null : scale(points.reduce(add), 1 / points.length);
-}
+/** Where the plane meets the box: a polygon, its corners in order around; nothing when it passes by or is off. */
+export const plane_in_region = (region: Region): Vec3[] => (region.plane.on ? plane_in_box(region, plane_normal(region.plane), region.plane.offset) : []);
 
 /** Where a handle is, and the direction in which it goes. */
 export function place_of(handle: Handle, region: Region): { readonly place: Vec3; readonly along: Vec3 } | null {
-  if (handle.kind === "plane") {
-    const place = middle_of(plane_in_box(region));
-    return place && { place, along: plane_normal(region.plane) };
-  }
-  const middle = scale(add(region.low, region.high), 0.5);
-  const along = vec3(Number(handle.axis === "x"), Number(handle.axis === "y"), Number(handle.axis === "z"));
-  return { place: { ...middle, [handle.axis]: region[handle.side][handle.axis] }, along };
+  if (handle.kind === "face") return face_of(region, handle.axis, handle.side);
+  const place = middle_of(plane_in_region(region));
+  return place && { place, along: plane_normal(region.plane) };
 }
-
-export interface Screen {
-  readonly width: number;
-  readonly height: number;
-}
-
-/** In pixels of the picture from its upper left; nothing for what lies behind the eye. */
-export function on_screen(pose: CameraPose, screen: Screen, place: Vec3): { readonly x: number; readonly y: number } | null {
-  const orbit = orbit_of(pose);
-  const frame = orbit_frame(orbit);
-  const from_eye = subtract(place, pose.eye);
-  const ahead = -dot(from_eye, frame.back);
-  if (ahead < 1) return null;
-  const pixels = screen.height / 2 / Math.tan((pose.verticalFovDegrees * Math.PI) / 360) / ahead;
-  return { x: screen.width / 2 + dot(from_eye, frame.right) * pixels, y: screen.height / 2 - dot(from_eye, frame.up) * pixels };
-}
-
-/**
- * How many mm along `along` a hand means that moves by so many pixels. Nothing when the way points at the viewer, so that
- * a pixel would be too far to be meant.
- */
-export function dragged(pose: CameraPose, screen: Screen, place: Vec3, along: Vec3, by: { readonly x: number; readonly y: number }): number | null {
-  const here = on_screen(pose, screen, place), ahead = on_screen(pose, screen, add(place, along));
-  if (!here || !ahead) return null;
-  const x = ahead.x - here.x, y = ahead.y - here.y;
-  const square = x * x + y * y;
-  return square < 0.04 ? null : (by.x * x + by.y * y) / square;
-}
-
-/** Pixels: the side of a handle's target (style/cut.css). */
-export const handle_px = 44;
 
 export interface PlacedHandle {
   readonly handle: Handle;
@@ -191,20 +117,15 @@ export interface PlacedHandle {
 
 /**
  * The handles that a hand can take, each where it is on the screen. Of two that would lie on each other the one that is held
- * stays, then the plane's, then the nearer one: the other would be hit by chance. The sliders are the way to it meanwhile.
+ * stays, then the plane's, then the nearer one.
  */
-export function handles_to_take(pose: CameraPose, screen: Screen, region: Region, held: Handle | null): PlacedHandle[] {
+export function handles_to_take(eye: Eye, screen: Screen, region: Region, held: Handle | null): PlacedHandle[] {
   const placed = handles.flatMap((handle) => {
     const where = place_of(handle, region);
-    const point = where && on_screen(pose, screen, where.place);
+    const point = where && on_screen(eye, screen, where.place);
     return point ? [{ handle, ...where, ...point }] : [];
   });
-  const rank = ({ handle, place }: PlacedHandle) => (handle === held ? -2 : handle.kind === "plane" ? -1 : length(subtract(place, pose.eye)));
-  const taken: PlacedHandle[] = [];
-  for (const one of [...placed].sort((a, b) => rank(a) - rank(b))) {
-    if (taken.every(({ x, y }) => Math.hypot(x - one.x, y - one.y) >= handle_px)) taken.push(one);
-  }
-  return placed.filter((one) => taken.includes(one));
+  return apart(placed, ({ handle, place }) => (handle === held ? -2 : handle.kind === "plane" ? -1 : length(subtract(place, eye.eye))));
 }
 
 /** The part of the scan that goes, 0 to 1, by a lattice of places: for a person to read, not to rely on. */

@@ -8,6 +8,7 @@ import {
   AnatomicalPlane,
   ClientMessageSchema,
   Codec,
+  DepthQuerySchema,
   HandoverSchema,
   HelloSchema,
   NeedKeySchema,
@@ -143,6 +144,10 @@ export function stacks_of(stacks: readonly SliceStack[]): readonly Stack[] {
     if (!known || !columns || !rows || !slices || !first || !right || !down || !next) return [];
     return [{ plane: known, columns, rows, slices, first: plain(first), right: plain(right), down: plain(down), next: plain(next) }];
   });
+
+/** `x` and `y` from 0 to 1, from the picture's upper left. */
+export function encode_depth_query(id: bigint, x: number, y: number): Bytes {
+  return encoded(create(ClientMessageSchema, { body: { case: "depthQuery", value: create(DepthQuerySchema, { id, x, y }) } }));
 }
 
 export function encode_visibility(visible: boolean): Bytes {

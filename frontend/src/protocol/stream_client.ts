@@ -1,5 +1,6 @@
 import type { CameraPose } from "../input/camera";
 import { advance, first_state, type ConnectionEffect, type ConnectionEvent, type ConnectionState, type Trouble } from "./connection";
+import { DepthQueries, type Answered } from "./depth_queries";
 import {
   decode_server_message,
   encode_ack,
@@ -95,6 +96,7 @@ export class StreamClient {
   /** The scene is this page's to change: it presents, or has a camera of its own. */
   private leads_ = true;
   private own_camera_ = false;
+  private readonly depths_: DepthQueries;
   /** Where the own camera was before the connection was lost. */
   private own_pose_: CameraPose | null = null;
 
@@ -105,6 +107,7 @@ export class StreamClient {
   ) {
     this.viewport_ = viewport;
     this.abilities_ = around_.abilities;
+    this.depths_ = new DepthQueries({ send: (message) => this.say(message), after: around_.after });
   }
 
   get connection(): ConnectionState {
@@ -189,6 +192,11 @@ export class StreamClient {
     if (this.state_.phase === "live") this.socket_?.send(encode_slices(lacking, taken));
   }
 
+  /** How far away that is which is seen at a place of the picture. */
+  depth_at(x: number, y: number): Promise<Answered> {
+    return this.depths_.ask(x, y);
+  }
+
   need_key(): void {
     if (this.state_.phase === "live") this.socket_?.send(encode_need_key());
   }
@@ -197,6 +205,12 @@ export class StreamClient {
   ack(frame: Pick<Frame, "seq" | "epoch">, times: FrameTimes, queue: number): void {
     if (this.state_.phase === "live") this.socket_?.send(encode_ack(frame.seq, frame.epoch, times, queue));
     if (times.presented_ms !== undefined) this.happened({ kind: "picture" });
+  }
+
+  private say(message: Uint8Array<ArrayBuffer>): boolean {
+    if (this.state_.phase !== "live" || !this.socket_) return false;
+    this.socket_.send(message);
+    return true;
   }
 
   /** At once, unless something was sent since the last picture of the screen: then with the next, as it is by then. */
@@ -307,6 +321,9 @@ export class StreamClient {
         this.scene_ = body.value.scene;
         this.events_.look(body.value.scene);
         break;
+      case "depth":
+        this.depths_.heard(body.value);
+        break;
       case "problem":
         this.events_.problem(body.value);
         break;
@@ -339,6 +356,7 @@ export class StreamClient {
         this.socket_number_ += 1; // whatever the old one still says is not heard
         this.socket_?.close();
         this.socket_ = null;
+        this.depths_.lost();
         break;
       case "timer":
         this.disarm_();

@@ -1,5 +1,5 @@
 import { create } from "@bufbuild/protobuf";
-import type { Box } from "../cut/region";
+import type { Axis, Box } from "../picture/project";
 import { dot, normalize, scale, vec3, type Vec3 } from "../input/vec3";
 import {
   Clip_PlaneSchema,
@@ -16,7 +16,6 @@ import {
 import { direction_of, of_patient, seen_from_front, unit_of, type Direction } from "./direction";
 import { clamp, replaced, within, without, type Limits } from "./numbers";
 
-export type Axis = "x" | "y" | "z";
 export type Side = "low" | "high";
 export const axes: readonly Axis[] = ["x", "y", "z"];
 export const most_planes = 6;
@@ -70,9 +69,12 @@ function plane_of(plane: Clip_Plane): Plane {
 }
 
 function message_of(plane: Plane): Clip_Plane {
-  const normal = of_patient(unit_of(plane));
+  const normal = normal_of(plane);
   return create(Clip_PlaneSchema, { normal: message(normal), point: message(scale(normal, plane.offset)) });
 }
+
+/** Unit, to the side that is cut away. */
+export const normal_of = (plane: Direction): Vec3 => of_patient(unit_of(plane));
 
 /** Half of the box's diagonal: beyond it a plane cuts nothing, or all. */
 export const reach_of = ({ low, high }: Box): number => Math.hypot(high.x - low.x, high.y - low.y, high.z - low.z) / 2;
@@ -94,6 +96,13 @@ export function move_plane(scene: Scene, bounds: Box, index: number, to: Partial
     offset: within(to.offset ?? before.offset, { low: -reach, high: reach }, before.offset),
   };
   return { ...scene, clip: { ...clip, planes: replaced(clip.planes, index, message_of(plane)) } };
+}
+
+/** To another normal, about a place that it passes through. */
+export function turn_plane(scene: Scene, bounds: Box, index: number, normal: Vec3, through: Vec3): Scene {
+  const old = planes_of(scene)[index];
+  const way = direction_of(seen_from_front(normal), old?.right);
+  return move_plane(scene, bounds, index, { ...way, offset: dot(normal_of(way), through) });
 }
 
 export const remove_plane = (scene: Scene, index: number): Scene => {

@@ -49,6 +49,15 @@ export const set_focus = (scene: Scene, distance: number | null): Scene =>
     ? { ...scene, camera: { ...scene.camera, focalDistance: distance === null ? 0 : within(distance, focus_limits, scene.camera.focalDistance) } }
     : scene;
 
+/** A lens of which one sees that it is sharp somewhere: a fiftieth of the distance. */
+const seen_aperture = (distance: number): number => clamp(distance / 50, 1, 20);
+
+/** Sharp at so many mm; a pinhole, with which all is sharp, is opened. */
+export function focus_at(scene: Scene, distance: number): Scene {
+  const focused = set_focus(scene, distance);
+  return focused.camera?.apertureRadius === 0 ? set_aperture(focused, seen_aperture(distance)) : focused;
+}
+
 export function focus_of(scene: Scene): { readonly distance: number; readonly middle: boolean } {
   const pose = camera_of(scene);
   const own = scene.camera?.focalDistance ?? 0;

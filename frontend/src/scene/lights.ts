@@ -67,6 +67,20 @@ export function place_of(light: Light): Place | null {
   return { ...direction_of(seen), distance: length(middle) };
 }
 
+/** Where it comes from as the picture shows it: to the right, upwards; in front is towards the viewer. */
+export function seen_direction(light: Light, pose: CameraPose): Direction | null {
+  const middle = middle_of(light);
+  return middle && direction_of(light.cameraLocked ? middle : from_world(pose, middle, true));
+}
+
+/** As far away as it is, from where the picture shows it to come. */
+export function aim_light(scene: Scene, index: number, pose: CameraPose, seen: Direction): Scene {
+  const light = scene.lights[index];
+  if (!light || !place_of(light)) return scene;
+  if (light.cameraLocked) return place_light(scene, index, { right: seen.right, up: seen.up });
+  return place_light(scene, index, direction_of(seen_from_front(to_world(pose, unit_of(seen), true))));
+}
+
 /** Where it is told to be, turned to the middle. */
 export function place_light(scene: Scene, index: number, to: Partial<Place>): Scene {
   return with_light(scene, index, (light) => {

@@ -3,6 +3,7 @@ import type { Place } from "../live/place";
 import { apply_gesture } from "../input/apply_gesture";
 import { fitted_to_aspect, type CameraPose } from "../input/camera";
 import type { Gesture } from "../input/gestures";
+import type { Answered } from "../protocol/depth_queries";
 import { open_browser_socket } from "../protocol/browser_socket";
 import { first_state, type ConnectionState } from "../protocol/connection";
 import {
@@ -216,6 +217,11 @@ export class ViewerSession {
 
   use_own_camera(on: boolean): void {
     this.client_.use_own_camera(on);
+  }
+
+  /** How far away that is which is seen at a place of the picture, from 0 to 1 from its upper left. */
+  depth_at(x: number, y: number): Promise<Answered> {
+    return this.client_.depth_at(x, y);
   }
 
   wake(): void {

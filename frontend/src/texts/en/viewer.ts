@@ -32,6 +32,17 @@ export const viewer = {
     hide: "Hide this",
     account: "See what was used",
   },
+  hints: {
+    title: (n: number, all: number) => `Hint ${n} of ${all}`,
+    all: [
+      "Drag the picture to turn it. Two fingers or the wheel bring it nearer.",
+      "The pictures below show other looks: skin, muscle, vessels, bone.",
+      "Light, lens and cuts are in the menu at the left. Whatever you change can be undone.",
+    ] as readonly string[],
+    next: "Next",
+    done: "Got it",
+    hide: "Hide the hints",
+  },
   presets: "Looks",
   preset: { skin: "Skin", muscle: "Muscle", vessels: "Vessels", bone: "Bone" } as Readonly<Record<string, string>>,
   reset: "Reset the view",

@@ -1,7 +1,9 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Anonymise } from "../../api/anonymise";
-import { bounds_of, from_proposal, handles, moved, part_that_goes, range_of, to_body, whole, type Box, type Handle, type Region } from "../../cut/region";
-import { camera_of, with_clip, type VolumeHeader } from "../../protocol/messages";
+import { bounds_of, from_proposal, handles, moved, part_that_goes, range_of, to_body, whole, type Handle, type Region } from "../../cut/region";
+import { eye_of } from "../../picture/handles";
+import type { Box } from "../../picture/project";
+import { with_clip, type VolumeHeader } from "../../protocol/messages";
 import { t } from "../../texts/en";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
@@ -53,12 +55,12 @@ function Chooser({ session, data_set_id, onConfirm, volume, facts }: ChooserProp
     show(session, region, true);
   }, [session, region]);
 
-  const pose = session.scene.value && camera_of(session.scene.value);
+  const eye = session.scene.value && eye_of(session.scene.value);
   const percent = Math.round(100 * part_that_goes(region, bounds));
   const warning = facts.head === null ? t.cut.no_idea : facts.head.found ? t.cut.head : t.cut.no_head;
   return (
     <>
-      {pose ? <Handles pose={pose} region={region} bounds={bounds} change={change} /> : null}
+      {eye ? <Handles eye={eye} region={region} bounds={bounds} change={change} /> : null}
       <section class="glass cut-panel" aria-label={t.cut.title}>
         <h2>{t.cut.title}</h2>
         <p class={facts.head?.found ? "cut-warning" : ""}>{warning}</p>

@@ -2,21 +2,22 @@ import { useState } from "preact/hooks";
 import { place, t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Icon } from "../icons";
+import { keep, kept } from "../kept";
 import { ErrorPlot } from "./error_plot";
 
 const key = "diaphane.quality";
-const small_screen = () => matchMedia("(max-width: 700px)").matches;
+const small_screen = () => matchMedia("(max-width: 700px), (max-height: 480px)").matches;
 
 /** Samples, error and its fall: there for who wants to know, folded away by a press. */
 export function QualityPanel({ session }: { readonly session: ViewerSession }) {
   const [open, set_open] = useState(() => {
-    const stored = localStorage.getItem(key);
+    const stored = kept(key);
     return stored === null ? !small_screen() : stored === "open";
   });
   const facts = session.picture.value;
   if (!facts) return null;
   const toggle = () => {
-    localStorage.setItem(key, open ? "closed" : "open");
+    keep(key, open ? "closed" : "open");
     set_open(!open);
   };
   const error = Number.isFinite(facts.error) ? t.viewer.percent(facts.error) : t.viewer.error_unknown;

@@ -13,12 +13,16 @@ import { probe_stills } from "../../video/tile_pixels";
 import { ViewerSession } from "../../video/viewer_session";
 import { CutPanel } from "../cut/cut_panel";
 import { Icon } from "../icons";
+import { InPicture } from "../picture/in_picture";
+import { PictureHandles } from "../picture/picture_handles";
+import { PointPicker } from "../picture/point_picker";
 import { Link } from "../router";
 import { title_of } from "../scan_card";
 import { ShareScanDialog } from "../share_scan";
 import { useApp } from "../state";
 import { ThemeSwitch } from "../shell";
 import { HelpDialog } from "./help_dialog";
+import { Hints } from "./hints";
 import { LiveLine } from "./live_line";
 import { OrientationCube } from "./orientation_cube";
 import { PictureTimeLine } from "./picture_time";
@@ -61,6 +65,7 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
   const [session, set_session] = useState<ViewerSession | null>(null);
   const [fault, set_fault] = useState("");
   const [open, set_open] = useState<"help" | "share" | "recording" | "scan" | "presets" | "take" | null>(null);
+  const picture = useMemo(() => new InPicture(), [place]);
   const own = place.data_set_id !== null;
   const shot = use_shot(place);
   const role = role_of(session?.audience.value ?? null);
@@ -143,6 +148,8 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
       <main class="stage">
         <canvas ref={canvas} tabIndex={0} role="application" aria-label={t.viewer.stage} {...facts_of(session)} onDblClick={() => session?.slices.open.value && session.slices.maximise("picture")} />
         {session ? <SliceViews session={session} /> : null}
+        {session && role.presents && !onCut ? <PictureHandles session={session} picture={picture} /> : null}
+        {session && role.presents ? <PointPicker picture={picture} /> : null}
       </main>
       <header class="viewer-top">
         <div class="glass viewer-title">
@@ -188,8 +195,9 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
           <OrientationCube session={session} />
           {onCut && place.data_set_id !== null ? <CutPanel session={session} data_set_id={place.data_set_id} onConfirm={onCut} /> : null}
           {role.presents && !onCut ? <Presets session={session} /> : null}
-          {onCut ? null : <Settings session={session} leads={role.presents} />}
+          {onCut ? null : <Settings session={session} leads={role.presents} picture={picture} />}
           {onCut ? null : <QualityPanel session={session} />}
+          {role.presents && !onCut && session.picture.value ? <Hints onDone={() => canvas.current?.focus()} /> : null}
         </>
       ) : null}
       {open === "help" ? <HelpDialog onClose={() => set_open(null)} /> : null}

@@ -5,11 +5,17 @@ import { typed_number, type Limits } from "../../../scene/numbers";
 import { t } from "../../../texts/en";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { number_text } from "../../format";
+import type { HandleSet, InPicture } from "../../picture/in_picture";
 import { from_slider, slider_steps, to_slider } from "./scale";
 
 export interface WindowProps {
   readonly session: ViewerSession;
   readonly leads: boolean;
+}
+
+/** Of a window whose things lie in the picture, too. */
+export interface PictureWindowProps extends WindowProps {
+  readonly picture: InPicture;
 }
 
 /** `held`: a hand is still on it. */
@@ -153,4 +159,9 @@ export function Switch({ label, on, disabled = false, change }: SwitchProps) {
       <span>{label}</span>
     </label>
   );
+}
+
+/** Whether what is taken hold of in the picture stays there when its window is closed. */
+export function KeepHandles({ picture, which }: { readonly picture: InPicture; readonly which: HandleSet }) {
+  return <Switch label={t.settings.picture.keep} on={picture.kept.value.includes(which)} change={(on) => picture.keep(which, on)} />;
 }

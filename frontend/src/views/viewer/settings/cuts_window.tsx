@@ -1,21 +1,24 @@
-import { bounds_of, type Box } from "../../../cut/region";
+import { bounds_of } from "../../../cut/region";
+import type { Box } from "../../../picture/project";
 import { Slices_Colouring } from "../../../protocol/gen/api/proto/scene_pb";
 import * as cuts from "../../../scene/cuts";
 import { t } from "../../../texts/en";
 import { Icon } from "../../icons";
-import { NumberControl, Switch, type WindowProps } from "./controls";
+import { KeepHandles, NumberControl, Switch, type PictureWindowProps, type WindowProps } from "./controls";
 
 interface PartProps extends WindowProps {
   readonly bounds: Box;
 }
 
 /** What is cut away, and slices in the picture. */
-export function CutsWindow(props: WindowProps) {
+export function CutsWindow(props: PictureWindowProps) {
   const volume = props.session.volume.value;
   if (!volume || !props.session.scene.value) return null;
   const bounds = bounds_of(volume);
   return (
     <>
+      <p class="hint">{t.settings.picture.cuts}</p>
+      <KeepHandles picture={props.picture} which="cuts" />
       <BoxPart {...props} bounds={bounds} />
       <PlanesPart {...props} bounds={bounds} />
       <SlicesPart {...props} bounds={bounds} grey={{ centre: volume.windowCenter, width: volume.windowWidth }} />

@@ -1,12 +1,15 @@
 import { Shading_Mode, type Scene } from "../../../protocol/gen/api/proto/scene_pb";
 import * as lens from "../../../scene/lens";
 import { t } from "../../../texts/en";
-import { ColourControl, NumberControl, Switch, type WindowProps } from "./controls";
+import type { ViewerSession } from "../../../video/viewer_session";
+import { Icon } from "../../icons";
+import type { Picking } from "../../picture/in_picture";
+import { ColourControl, NumberControl, Switch, type PictureWindowProps } from "./controls";
 
 const modes = [["phase", Shading_Mode.PHASE], ["surface", Shading_Mode.SURFACE], ["hybrid", Shading_Mode.HYBRID]] as const;
 
 /** How the picture is taken, and how much work is put into it. */
-export function LensWindow({ session }: WindowProps) {
+export function LensWindow({ session, picture }: PictureWindowProps) {
   const text = t.settings.lens;
   const scene = session.scene.value;
   if (!scene?.camera) return null;
@@ -27,6 +30,9 @@ export function LensWindow({ session }: WindowProps) {
       <ColourControl label={text.background} value={scene.display?.background} rest={rest} change={now("background", lens.set_background)} />
       <NumberControl label={text.aperture} unit={t.settings.mm} value={scene.camera.apertureRadius} limits={lens.aperture_limits} slide={{ low: 0, high: 40 }} step={0.2}
         rest={rest} change={now("aperture", lens.set_aperture)} />
+      <p><button type="button" class="button button-small" aria-pressed={picture.picking.value !== null} onClick={() => {
+        picture.picking.value = picture.picking.value ? null : focus_picking(session);
+      }}><Icon name="aperture" />{text.pick}</button></p>
       <Switch label={text.focus_middle} on={focus.middle} change={(middle) => once("focus", lens.set_focus)(middle ? null : Math.round(focus.distance))} />
       {focus.middle ? null : (
         <NumberControl label={text.focus} unit={t.settings.mm} value={focus.distance} limits={lens.focus_limits} slide={{ low: 10, high: 3000 }} logarithmic
@@ -67,4 +73,21 @@ export function LensWindow({ session }: WindowProps) {
       </details>
     </>
   );
+}
+
+/** Sharp where somebody presses. */
+function focus_picking(session: ViewerSession): Picking {
+  const text = t.settings.lens;
+  return {
+    label: text.pick_label,
+    pick: async ({ x, y }) => {
+      const answer = await session.depth_at(x, y);
+      if (!answer.answered) return text.pick_lost;
+      if (!answer.seen) return text.pick_nothing;
+      const { distance } = answer.seen;
+      session.change("focus picked", (before) => lens.focus_at(before, distance));
+      session.rest();
+      return null;
+    },
+  };
 }

@@ -1,26 +1,28 @@
-import { useState } from "preact/hooks";
 import { bounds_of } from "../../../cut/region";
 import type { Light } from "../../../protocol/gen/api/proto/scene_pb";
 import { camera_of } from "../../../protocol/messages";
 import { hex_of, hue_of } from "../../../scene/colour";
 import { reach_of } from "../../../scene/cuts";
+import { show_environment } from "../../../scene/lens";
 import * as lights from "../../../scene/lights";
+import { is_sky } from "../../../scene/textures";
 import { t } from "../../../texts/en";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon } from "../../icons";
-import { ColourControl, NumberControl, Switch, type WindowProps } from "./controls";
+import { ColourControl, KeepHandles, NumberControl, Switch, type PictureWindowProps } from "./controls";
 import { LightBall } from "./light_ball";
+import { TexturePart, type TexturePartProps } from "./texture_part";
 
 const kinds = ["rectangle", "disk", "sphere", "environment"] as const;
 
 /** Lights: where each comes from and how bright it is first; the rest behind "More". */
-export function LightWindow({ session, leads }: WindowProps) {
+export function LightWindow({ session, leads, picture }: PictureWindowProps) {
   const text = t.settings.light;
-  const [wanted, set_wanted] = useState(0);
   const scene = session.scene.value;
   const volume = session.volume.value;
   if (!scene) return null;
-  const index = Math.min(wanted, scene.lights.length - 1);
+  const index = Math.min(picture.light.value, scene.lights.length - 1);
+  const choose = (which: number) => (picture.light.value = which);
   const light = scene.lights[index];
   const rest = () => session.rest();
   const add = (kind: string) => {
@@ -29,7 +31,7 @@ export function LightWindow({ session, leads }: WindowProps) {
     const radius = volume ? reach_of(bounds_of(volume)) : 200;
     session.change("light added", (now) => lights.add_light(now, shape, text.names[shape], radius));
     rest();
-    set_wanted(scene.lights.length);
+    choose(scene.lights.length);
   };
   return (
     <>
@@ -43,7 +45,7 @@ export function LightWindow({ session, leads }: WindowProps) {
                 session.change(`light on ${i}`, (now) => lights.switch_light(now, i, off));
                 rest();
               }} />
-              <button type="button" aria-pressed={i === index} onClick={() => set_wanted(i)}>
+              <button type="button" aria-pressed={i === index} onClick={() => choose(i)}>
                 <svg class="swatch" viewBox="0 0 10 10" aria-hidden="true"><circle cx="5" cy="5" r="4.500" fill={hex_of(hue_of(lights.radiance_of(one)))} /></svg>
                 {name}
               </button>
@@ -51,7 +53,8 @@ export function LightWindow({ session, leads }: WindowProps) {
           );
         })}
       </div>
-      {light ? <OneLight session={session} leads={leads} light={light} index={index} /> : <p class="hint">{text.none}</p>}
+      <KeepHandles picture={picture} which="light" />
+      {light ? <OneLight session={session} leads={leads} picture={picture} light={light} index={index} /> : <p class="hint">{text.none}</p>}
       <label class="control">
         <span class="control-name">{text.add}</span>
         <select class="choice" value="" disabled={scene.lights.length >= lights.most_lights} onChange={(event) => {
@@ -66,12 +69,12 @@ export function LightWindow({ session, leads }: WindowProps) {
   );
 }
 
-interface OneLightProps extends WindowProps {
+interface OneLightProps extends PictureWindowProps {
   readonly light: Light;
   readonly index: number;
 }
 
-function OneLight({ session, leads, light, index }: OneLightProps) {
+function OneLight({ session, leads, picture, light, index }: OneLightProps) {
   const text = t.settings.light;
   const place = lights.place_of(light);
   const rest = () => session.rest();
@@ -81,7 +84,7 @@ function OneLight({ session, leads, light, index }: OneLightProps) {
       {place ? (
         <div class="ball-row">
           <LightBall direction={place} others={others_of(session, light)} leads={leads} change={move} rest={rest} />
-          <p class="hint">{light.cameraLocked ? text.ball_from.camera : text.ball_from.patient}</p>
+          <p class="hint">{light.cameraLocked ? text.ball_from.camera : text.ball_from.patient}. {t.settings.picture.light}</p>
         </div>
       ) : null}
       <NumberControl label={text.brightness} value={lights.intensity_of(light)} limits={lights.intensity_limits} slide={{ low: 0.05, high: 20 }} logarithmic rest={rest}
@@ -90,7 +93,15 @@ function OneLight({ session, leads, light, index }: OneLightProps) {
         change={(hue, held) => session.change(`light colour ${index}`, (now) => lights.colour_light(now, index, hue), held)} />
       <details class="more">
         <summary>{t.settings.more}</summary>
-        {place ? <Numbers session={session} leads={leads} light={light} index={index} /> : null}
+        {place ? <Numbers session={session} leads={leads} picture={picture} light={light} index={index} /> : null}
+        <Locked session={session} light={light} index={index} />
+        {is_sky(light) ? (
+          <Switch label={t.settings.lens.environment} on={session.scene.value?.display?.showEnvironment ?? false} change={(on) => {
+            session.change("environment", (now) => show_environment(now, on));
+            rest();
+          }} />
+        ) : null}
+        <TexturePart session={session} light={light} index={index} />
         <label class="control">
           <span class="control-name">{text.name}</span>
           <input type="text" class="name" maxLength={60} value={light.name} onChange={(event) => {
@@ -123,12 +134,18 @@ function Numbers({ session, light, index }: OneLightProps) {
         change={(distance, held) => move({ distance }, held)} />
       <NumberControl label={text.size} unit={t.settings.mm} value={size} limits={lights.size_limits} logarithmic rest={rest}
         change={(to, held) => session.change(`light size ${index}`, (now) => lights.size_light(now, index, to), held)} />
-      <Switch label={text.locked} on={light.cameraLocked} change={(locked) => {
-        const pose = session.scene.value && camera_of(session.scene.value);
-        if (pose) session.change(`light lock ${index}`, (now) => lights.lock_light(now, index, locked, pose));
-        rest();
-      }} />
     </>
+  );
+}
+
+/** Lamps and skies alike: a sky turns with the camera, too. */
+function Locked({ session, light, index }: TexturePartProps) {
+  return (
+    <Switch label={t.settings.light.locked} on={light.cameraLocked} change={(locked) => {
+      const pose = session.scene.value && camera_of(session.scene.value);
+      if (pose) session.change(`light lock ${index}`, (now) => lights.lock_light(now, index, locked, pose));
+      session.rest();
+    }} />
   );
 }
 

@@ -5,6 +5,7 @@ import { hex_of, hue_of, scaled, strength_of } from "../../../scene/colour";
 import * as transfer from "../../../scene/transfer";
 import { t } from "../../../texts/en";
 import { Icon } from "../../icons";
+import { keep, kept } from "../../kept";
 import { ColourControl, NumberControl, type WindowProps } from "./controls";
 import { PointControls } from "./point_controls";
 import { TransferGraph } from "./transfer_graph";
@@ -17,7 +18,7 @@ export function LookWindow({ session, leads }: WindowProps) {
   const scene = session.scene.value;
   const volume = session.volume.value;
   const [wanted, set_wanted] = useState({ channel: 0, point: 0 });
-  const [logarithmic, set_logarithmic] = useState(() => read(key) !== "linear");
+  const [logarithmic, set_logarithmic] = useState(() => kept(key) !== "linear");
   if (!scene) return null;
   const { channels } = transfer.transfer_of(scene);
   const index = Math.min(wanted.channel, channels.length - 1);
@@ -88,7 +89,7 @@ export function LookWindow({ session, leads }: WindowProps) {
             <span class="control-name">{text.scale}</span>
             <select class="choice" value={logarithmic ? "logarithmic" : "linear"} onChange={(event) => {
               set_logarithmic(event.currentTarget.value === "logarithmic");
-              write(key, event.currentTarget.value);
+              keep(key, event.currentTarget.value);
             }}>
               <option value="logarithmic">{text.logarithmic}</option>
               <option value="linear">{text.linear}</option>
@@ -156,20 +157,4 @@ function Shift({ session, unit, reach }: WindowProps & { readonly unit: string; 
         session.change("shift", (before) => ({ ...before, transferFunction: result }), held);
       }} />
   );
-}
-
-function read(name: string): string | null {
-  try {
-    return localStorage.getItem(name);
-  } catch {
-    return null;
-  }
-}
-
-function write(name: string, value: string): void {
-  try {
-    localStorage.setItem(name, value);
-  } catch {
-    // Not allowed: it is as it was the next time.
-  }
 }

@@ -2,6 +2,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { t } from "../../../texts/en";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon, type IconName } from "../../icons";
+import type { InPicture } from "../../picture/in_picture";
 import { CutsWindow } from "./cuts_window";
 import { closed, docked, moved, opened, remember_layout, remembered_layout, window_names, type Layout, type WindowName } from "./layout";
 import { LensWindow } from "./lens_window";
@@ -13,6 +14,7 @@ export interface SettingsProps {
   readonly session: ViewerSession;
   /** The scene is this person's to change. */
   readonly leads: boolean;
+  readonly picture: InPicture;
 }
 
 const icons: Readonly<Record<WindowName, IconName>> = { look: "palette", light: "lamp", lens: "aperture", cuts: "slice" };
@@ -22,7 +24,7 @@ const narrow_page = "(max-width: 700px), (max-height: 420px)";
 const store = () => sessionStorage;
 
 /** The menu at the left, and the windows that it opens (thesis, 4.1 and 5.3). */
-export function Settings({ session, leads }: SettingsProps) {
+export function Settings({ session, leads, picture }: SettingsProps) {
   const [layout, set_layout] = useState<Layout>(() => remembered_layout(store));
   const [fresh, set_fresh] = useState<WindowName | null>(null);
   const narrow = use_media(narrow_page);
@@ -44,6 +46,10 @@ export function Settings({ session, leads }: SettingsProps) {
   };
   use_undo_keys(session, leads);
   const shown = narrow ? layout.open.slice(-1) : layout.open;
+  const open_names = shown.join();
+  useEffect(() => {
+    picture.open.value = leads ? (["cuts", "light"] as const).filter((name) => open_names.split(",").includes(name)) : [];
+  }, [picture, leads, open_names]);
   const step_button = (icon: "undo" | "redo", way: () => void, possible: boolean) => (
     <button type="button" class="icon-button" aria-label={t.settings[icon]} title={t.settings[icon]} aria-keyshortcuts={t.settings.shortcuts[icon]}
       aria-disabled={!possible} onClick={() => {
@@ -71,7 +77,7 @@ export function Settings({ session, leads }: SettingsProps) {
           <SettingsWindow key={name} name={name} layout={layout} narrow={narrow} fresh={fresh === name}
             onMove={(x, y) => change(moved(layout, name, x, y, { width: innerWidth, height: innerHeight }))}
             onDock={() => change(docked(layout, name))} onClose={() => close(name)} onReset={leads ? () => session.reset(name) : null}>
-            <View session={session} leads={leads} />
+            <View session={session} leads={leads} picture={picture} />
           </SettingsWindow>
         );
       })}

@@ -1,0 +1,54 @@
+import { encode_depth_query } from "./messages";
+import type { Depth } from "./gen/api/proto/stream_pb";
+
+/** What is seen at a place of the picture; nothing where that is background, or nobody answered. */
+export interface SeenPlace {
+  /** mm from the eye along the view axis. */
+  readonly distance: number;
+}
+
+export type Answered = { readonly answered: true; readonly seen: SeenPlace | null } | { readonly answered: false };
+
+export interface QuerySurroundings {
+  readonly send: (message: Uint8Array<ArrayBuffer>) => boolean;
+  readonly after: (ms: number, task: () => void) => () => void;
+}
+
+/** So long an answer is waited for: it takes milliseconds and the way there and back. */
+export const patience_ms = 5000;
+
+/** Questions about the picture, each with its answer. */
+export class DepthQueries {
+  private last_ = 0n;
+  private readonly waiting_ = new Map<bigint, (answer: Answered) => void>();
+
+  constructor(private readonly around_: QuerySurroundings) {}
+
+  /** `x` and `y` from 0 to 1, from the picture's upper left. */
+  ask(x: number, y: number): Promise<Answered> {
+    const id = ++this.last_;
+    if (!this.around_.send(encode_depth_query(id, x, y))) return Promise.resolve({ answered: false });
+    return new Promise((resolve) => {
+      const disarm = this.around_.after(patience_ms, () => this.settle(id, { answered: false }));
+      this.waiting_.set(id, (answer) => {
+        disarm();
+        resolve(answer);
+      });
+    });
+  }
+
+  heard(depth: Depth): void {
+    this.settle(depth.id, { answered: true, seen: depth.found ? { distance: depth.distance } : null });
+  }
+
+  /** Who was asked is gone. */
+  lost(): void {
+    for (const id of [...this.waiting_.keys()]) this.settle(id, { answered: false });
+  }
+
+  private settle(id: bigint, answer: Answered): void {
+    const settled = this.waiting_.get(id);
+    this.waiting_.delete(id);
+    settled?.(answer);
+  }
+}

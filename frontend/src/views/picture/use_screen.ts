@@ -1,0 +1,18 @@
+import type { RefObject } from "preact";
+import { useEffect, useState } from "preact/hooks";
+import type { Screen } from "../../picture/project";
+
+/** The size of an element in CSS pixels, as it is now. */
+export function use_screen(area: RefObject<HTMLElement | null>): Screen {
+  const [screen, set_screen] = useState<Screen>({ width: 1, height: 1 });
+  useEffect(() => {
+    const element = area.current;
+    if (!element) return;
+    const measure = () => set_screen({ width: Math.max(1, element.clientWidth), height: Math.max(1, element.clientHeight) });
+    measure();
+    const watching = new ResizeObserver(measure);
+    watching.observe(element);
+    return () => watching.disconnect();
+  }, [area]);
+  return screen;
+}

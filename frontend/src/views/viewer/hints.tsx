@@ -1,0 +1,36 @@
+import { useEffect, useState } from "preact/hooks";
+import { t } from "../../texts/en";
+import { Icon } from "../icons";
+import { hints_due, hints_seen } from "./hint_memory";
+
+/** Three hints at the first use, one after the other, never again; Escape ends them wherever the focus is. */
+export function Hints({ onDone }: { readonly onDone: () => void }) {
+  const [at, set_at] = useState(() => (hints_due() ? 0 : -1));
+  const text = t.viewer.hints;
+  const end = () => {
+    hints_seen();
+    set_at(-1);
+    onDone();
+  };
+  useEffect(() => {
+    if (at < 0) return;
+    const pressed = (event: KeyboardEvent) => {
+      if (event.key !== "Escape" || event.defaultPrevented || document.querySelector("dialog[open]")) return;
+      event.preventDefault();
+      hints_seen();
+      set_at(-1);
+    };
+    addEventListener("keydown", pressed);
+    return () => removeEventListener("keydown", pressed);
+  }, [at]);
+  const hint = text.all[at];
+  if (hint === undefined) return null;
+  const last = at === text.all.length - 1;
+  return (
+    <aside class="glass hints" aria-label={text.title(at + 1, text.all.length)}>
+      <p role="status">{hint}</p>
+      <button type="button" class="button button-small" onClick={() => (last ? end() : set_at(at + 1))}>{last ? text.done : text.next}</button>
+      <button type="button" class="icon-button" aria-label={text.hide} title={text.hide} onClick={end}><Icon name="close" /></button>
+    </aside>
+  );
+}

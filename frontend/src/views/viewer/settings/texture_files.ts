@@ -1,0 +1,46 @@
+import { fitted, own_texture_side, texture_pixels, type Pixels, type TextureName } from "../../../scene/textures";
+
+type Bytes = Uint8Array<ArrayBuffer>;
+
+async function coded(canvas: OffscreenCanvas, type: "image/png" | "image/jpeg", quality?: number): Promise<Bytes> {
+  const blob = await canvas.convertToBlob({ type, ...(quality === undefined ? {} : { quality }) });
+  return new Uint8Array(await blob.arrayBuffer());
+}
+
+function painted({ width, height, rgba }: Pixels): OffscreenCanvas {
+  const canvas = new OffscreenCanvas(width, height);
+  canvas.getContext("2d")?.putImageData(new ImageData(rgba, width, height), 0, 0);
+  return canvas;
+}
+
+const made = new Map<TextureName, Promise<Bytes>>();
+
+/** As a PNG file; the same bytes each time, by which it is known again. */
+export function texture_file(name: TextureName): Promise<Bytes> {
+  const file = made.get(name) ?? coded(painted(texture_pixels(name)), "image/png");
+  made.set(name, file);
+  return file;
+}
+
+export type ReadPicture = { readonly bytes: Bytes } | { readonly refused: "too_large" | "no_picture" };
+
+const most_file_bytes = 30_000_000;
+
+/** Somebody's own file as a small JPEG: nothing but the picture goes anywhere, not the name nor what a camera wrote into it. */
+export async function read_picture(file: Blob): Promise<ReadPicture> {
+  if (file.size > most_file_bytes) return { refused: "too_large" };
+  let bitmap: ImageBitmap;
+  try {
+    bitmap = await createImageBitmap(file);
+  } catch {
+    return { refused: "no_picture" };
+  }
+  const { width, height } = fitted(bitmap.width, bitmap.height, own_texture_side);
+  const canvas = new OffscreenCanvas(width, height);
+  const context = canvas.getContext("2d");
+  if (!context) return { refused: "no_picture" };
+  context.imageSmoothingQuality = "high";
+  context.drawImage(bitmap, 0, 0, width, height);
+  bitmap.close();
+  return { bytes: await coded(canvas, "image/jpeg", 0.8) };
+}

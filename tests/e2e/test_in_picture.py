@@ -1,0 +1,255 @@
+"""What is done by hand in the picture: cutting, lights, what is sharp; by mouse, touch and keys, on the pictures that come back."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+from playwright.sync_api import Locator, Page, expect
+
+from harness import TestStack
+from person import Person
+from picture import SIDE, facts, pixels, wait_for_samples
+from test_pages import check_page
+from test_settings import Hands, halves
+
+
+def open_viewer(stack: TestStack, page: Page, cranium: Path, name: str, width: int, height: int) -> Hands:
+    person = Person.arrives(stack, page, name)
+    scan = person.has_scan(cranium, "Head")
+    page.set_viewport_size({"width": width, "height": height})
+    page.goto(f"{stack.url}/view/{scan}")
+    wait_for_samples(stack, page, 1)
+    hands = Hands(stack, page)
+    stack.wait_until(lambda: hands.kept()[0], what="the first scene")
+    return hands
+
+
+def middle(box: dict) -> tuple[float, float]:
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def pull(page: Page, handle: Locator, right: float, down: float) -> None:
+    x, y = middle(handle.bounding_box())
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + right, y + down, steps=8)
+    page.mouse.up()
+
+
+def keep_handles(hands: Hands, window: str) -> None:
+    """The window's handles in the picture, without the window before it."""
+    frame = hands.window(window)
+    frame.get_by_label("Handles stay when this window is closed").check()
+    frame.get_by_role("button", name=f"Close {window}").click()
+
+
+def sharpness(picture: bytes, x0: int, y0: int, side: int) -> float:
+    """How much neighbours differ in a square: edges that are sharp differ more."""
+    def grey(x: int, y: int) -> float:
+        at = 3 * (y * SIDE + x)
+        return sum(picture[at:at + 3]) / 3
+
+    total = 0.0
+    for y in range(y0, y0 + side):
+        for x in range(x0, x0 + side):
+            total += abs(grey(x + 1, y) - grey(x, y)) + abs(grey(x, y + 1) - grey(x, y))
+    return total / side / side
+
+
+def test_cuts_and_lights_are_taken_hold_of_in_the_picture(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit(small=True)
+    hands = open_viewer(stack, page, cranium, "hanna", 720, 440)
+    page.get_by_role("button", name="Hide the hints").click()
+    begun = hands.kept()[0]
+
+    # By mouse: the patient's left, on the right of the picture, is cut away as far as the middle.
+    keep_handles(hands, "Cuts and slices")
+    handle = page.locator('[data-handle="x-high"]')
+    before = middle(handle.bounding_box())
+    box = page.locator("canvas").bounding_box()
+    hands.act(lambda: pull(page, handle, box["x"] + box["width"] / 2 - before[0], 0))
+    after = middle(handle.bounding_box())
+    assert abs(after[0] - (box["x"] + box["width"] / 2)) < 6 and abs(after[1] - before[1]) < 25, (before, after)
+    cut = hands.picture()
+    page.screenshot(path=pictures / "picture-cut.png")
+    left, right = halves(cut)
+    assert left > 4 * abs(right), (left, right)
+    # By keys: a mm further, ten with Shift; and all of it undone.
+    value = float(handle.get_attribute("aria-valuenow"))
+    hands.act(lambda: handle.press("ArrowLeft"))
+    hands.act(lambda: handle.press("Shift+ArrowDown"))
+    assert abs(float(handle.get_attribute("aria-valuenow")) - (value - 11)) <= 1
+    while hands.kept()[0] != begun:
+        hands.act(lambda: page.keyboard.press("Control+z"))
+
+    # A plane: one handle moves it, the other turns it.
+    cuts = hands.window("Cuts and slices")
+    cuts.get_by_text("Planes", exact=True).click()
+    hands.act(cuts.get_by_role("button", name="Add a plane").click)
+    hands.type(cuts, "Turned left", "50")
+    cuts.get_by_role("button", name="Close Cuts and slices").click()
+    tip, base = page.locator('[data-handle="tilt-0"]'), page.locator('[data-handle="plane-0"]')
+    offset = float(base.get_attribute("aria-valuenow"))
+    hands.act(lambda: pull(page, base, 30, 0))
+    assert float(base.get_attribute("aria-valuenow")) > offset + 5
+    hands.act(lambda: pull(page, tip, 0, -40))
+    assert float(tip.get_attribute("aria-valuenow")) > 5
+    page.screenshot(path=pictures / "picture-plane.png")
+    check_page(page)
+    while hands.kept()[0] != begun:
+        hands.act(lambda: page.keyboard.press("Control+z"))
+
+    # A light alone, dragged to the left of the picture and to its right.
+    light = hands.window("Light")
+    for name in ("fill", "sky"):
+        hands.act(lambda: light.get_by_label(f"Switch on {name}").uncheck())
+    keep_handles(hands, "Light")
+    lamp = page.locator('[data-handle="light-0"]')
+    radius = 0.4 * min(box["width"], box["height"])
+    for side in (-1, 1):
+        x, y = middle(lamp.bounding_box())
+        to = (box["x"] + box["width"] / 2 + side * 0.95 * radius, box["y"] + box["height"] / 2)
+        hands.act(lambda: pull(page, lamp, to[0] - x, to[1] - y))
+        left, right = halves(hands.picture())
+        assert (left > 1.3 * right) if side < 0 else (right > 1.3 * left), (side, left, right)
+        page.screenshot(path=pictures / f"picture-light{side}.png")
+    said = lamp.get_attribute("aria-valuetext")
+    hands.act(lambda: lamp.press("ArrowLeft"))
+    assert lamp.get_attribute("aria-valuetext") != said
+
+
+def test_what_is_pressed_becomes_sharp(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit(small=True)
+    hands = open_viewer(stack, page, cranium, "fokke", 720, 440)
+    lens = hands.window("Lens and quality")
+    hands.type(lens, "Aperture", "30")
+    wide = hands.kept()[0]
+    at = (0.7, 0.5)  # beside the window
+
+    def pick(x: float, y: float) -> None:
+        lens.get_by_role("button", name="Choose what is sharp").click()
+        picker = page.get_by_role("button", name="Press what is to be sharp.")
+        expect(picker).to_be_focused()
+        box = picker.bounding_box()
+        page.mouse.click(box["x"] + x * box["width"], box["y"] + y * box["height"])
+
+    # Background is nowhere; Escape ends it.
+    pick(0.99, 0.45)
+    expect(page.get_by_text("There is only background.")).to_be_visible()
+    page.keyboard.press("Escape")
+    picker = page.get_by_role("button", name="Press what is to be sharp.")
+    expect(picker).to_have_count(0)
+    assert hands.kept()[0] == wide
+    hands.act(lambda: pick(*at))
+    expect(picker).to_have_count(0)
+    distance = float(lens.get_by_label("Sharp at, typed").input_value())
+    near = hands.picture()
+    page.screenshot(path=pictures / "picture-focus.png")
+    # Elsewhere it is blurred.
+    hands.type(lens, "Sharp at", str(round(distance * 1.6)))
+    blurred = hands.picture()
+    x, y, side = round(at[0] * SIDE) - 8, round(at[1] * SIDE) - 8, 16
+    assert sharpness(near, x, y, side) > 1.2 * sharpness(blurred, x, y, side), (sharpness(near, x, y, side), sharpness(blurred, x, y, side))
+    # By keys: the mark from the middle, to the right, taken with Enter; it is about as far away.
+    lens.get_by_role("button", name="Choose what is sharp").press("Enter")
+    expect(picker).to_be_focused()
+    for _ in range(2):
+        page.keyboard.press("Shift+ArrowRight")
+    hands.act(lambda: page.keyboard.press("Enter"))
+    assert abs(float(lens.get_by_label("Sharp at, typed").input_value()) - distance) < 15
+    for _ in range(3):
+        hands.act(lambda: page.keyboard.press("Control+z"))
+    assert hands.kept()[0] == wide
+
+
+def test_what_is_undone_gives_the_same_picture_to_the_last_bit(stack: TestStack, visit, cranium: Path):
+    page = visit(small=True)
+    hands = open_viewer(stack, page, cranium, "retour", 320, 240)
+    begun = hands.kept()[0]
+
+    def lossless() -> str:
+        """Once each tile has been checked."""
+        def there() -> bool:
+            page.wait_for_timeout(100)
+            return page.locator("canvas[data-lossless]").count() == 1 and facts(page).input_seq >= hands.kept()[1]
+
+        stack.wait_until(there, timeout=240, what="the lossless picture")
+        return hashlib.sha256(pixels(page)).hexdigest()
+
+    before = lossless()
+    hands.act(lambda: page.keyboard.press("4"))
+    page.get_by_role("application").focus()
+    hands.act(lambda: page.keyboard.press("ArrowLeft"))
+    hands.picture()
+    while hands.kept()[0] != begun:
+        hands.act(lambda: page.keyboard.press("Control+z"))
+    assert lossless() == before
+
+
+COVERED = """() => [...document.querySelectorAll(".viewer-title :is(a, button), .viewer-tools button, .menu button")].filter((tool) => {
+    const box = tool.getBoundingClientRect();
+    if (box.width === 0) return false;
+    const top = document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2);
+    return !tool.contains(top);
+}).map((tool) => tool.getAttribute("aria-label"))"""
+
+
+def check_tools(page: Page) -> None:
+    """Nothing lies over the tools at the top, nor over the menu."""
+    page.wait_for_function(f"({COVERED})().length === 0")
+    check_page(page)
+
+
+def test_nothing_covers_the_tools_and_a_finger_moves_a_light(stack: TestStack, visit, cranium: Path, pictures: Path):
+    page = visit(phone=True)
+    hands = open_viewer(stack, page, cranium, "vinger", 390, 844)
+    hint = page.get_by_role("complementary", name="Hint 1 of 3")
+    expect(hint).to_be_visible()
+    check_tools(page)
+    page.screenshot(path=pictures / "hint-phone.png")
+    # Not over the middle of the picture; three, and never again.
+    box = page.locator("canvas").bounding_box()
+    assert hint.bounding_box()["y"] > box["y"] + 0.6 * box["height"]
+    page.get_by_role("button", name="Next").click()
+    page.get_by_role("button", name="Next").click()
+    page.get_by_role("button", name="Got it").click()
+    expect(page.get_by_role("complementary")).to_have_count(0)
+
+    light = hands.window("Light")
+    lamp = page.locator('[data-handle="light-0"]')
+    expect(lamp).to_be_visible()
+    check_tools(page)
+    page.screenshot(path=pictures / "light-phone.png")
+    x, y = middle(lamp.bounding_box())
+    touch = page.context.new_cdp_session(page)
+
+    def finger() -> None:
+        for kind, right in (("touchStart", 0), ("touchMove", 15), ("touchMove", 40), ("touchEnd", None)):
+            touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [] if right is None else [{"x": x + right, "y": y}]})
+
+    hands.act(finger)
+    assert abs(middle(lamp.bounding_box())[0] - (x + 40)) < 6
+    # A texture of those made here, and a file that is no picture.
+    light.get_by_text("More", exact=True).click()
+    hands.act(light.get_by_role("button", name="Ring", exact=True).click)
+    expect(light.get_by_role("button", name="Ring", exact=True)).to_have_attribute("aria-pressed", "true")
+    hands.picture()
+    light.get_by_label("A picture of your own to shine through").set_input_files({"name": "note.png", "mimeType": "image/png", "buffer": b"no picture"})
+    expect(light.get_by_role("alert")).to_contain_text("no picture")
+    page.screenshot(path=pictures / "texture-phone.png")
+    light.get_by_role("button", name="Close Light").click()
+
+    # A low window, as of a laptop with another beside it.
+    page.set_viewport_size({"width": 720, "height": 440})
+    page.reload()
+    wait_for_samples(stack, page, 1)
+    expect(page.get_by_role("complementary")).to_have_count(0)
+    page.get_by_role("button", name="Show the quality").click()
+    check_tools(page)
+    page.screenshot(path=pictures / "quality-low.png")
+    page.get_by_role("region", name="Quality").get_by_role("button", name="Close").click()
+    for window in ("Light", "Lens and quality", "Cuts and slices"):
+        hands.window(window)
+        check_tools(page)
+        page.screenshot(path=pictures / f"low-{window.split()[0]}.png")
