@@ -29,6 +29,17 @@ export const viewer: Texts["viewer"] = {
     hide: "Ausblenden",
     account: "Sehen, was verbraucht wurde",
   },
+  hints: {
+    title: (n, all) => `Hinweis ${n} von ${all}`,
+    all: [
+      "Ziehen Sie am Bild, um es zu drehen. Zwei Finger oder das Rad holen es näher.",
+      "Die Bilder unten zeigen es anders: Haut, Muskel, Gefäße, Knochen.",
+      "Licht, Objektiv und Schnitte sind im Menü links. Was Sie ändern, lässt sich rückgängig machen.",
+    ],
+    next: "Weiter",
+    done: "Verstanden",
+    hide: "Hinweise ausblenden",
+  },
   presets: "Aussehen",
   preset: { skin: "Haut", muscle: "Muskeln", vessels: "Gefäße", bone: "Knochen" },
   reset: "Ansicht zurücksetzen",
