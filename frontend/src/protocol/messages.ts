@@ -144,6 +144,7 @@ export function stacks_of(stacks: readonly SliceStack[]): readonly Stack[] {
     if (!known || !columns || !rows || !slices || !first || !right || !down || !next) return [];
     return [{ plane: known, columns, rows, slices, first: plain(first), right: plain(right), down: plain(down), next: plain(next) }];
   });
+}
 
 /** `x` and `y` from 0 to 1, from the picture's upper left. */
 export function encode_depth_query(id: bigint, x: number, y: number): Bytes {
