@@ -29,7 +29,7 @@ import { changed, nothing_yet, redone, rested, undone, type History, type Moved 
 import { Slices } from "../slices/model";
 import { reset_part, type Part } from "../scene/parts";
 import { StreamClient } from "../protocol/stream_client";
-import { t } from "../texts/en";
+import { t } from "../texts";
 import { SizeTeller } from "./canvas_size";
 import { FramePipeline } from "./frame_pipeline";
 import { make_decoder } from "./ladder";

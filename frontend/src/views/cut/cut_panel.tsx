@@ -4,7 +4,7 @@ import { bounds_of, from_proposal, handles, moved, part_that_goes, range_of, to_
 import { eye_of } from "../../picture/handles";
 import type { Box } from "../../picture/project";
 import { with_clip, type VolumeHeader } from "../../protocol/messages";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
 import { Link } from "../router";

@@ -1,7 +1,7 @@
 import { useRef, useState } from "preact/hooks";
 import { handles_to_take, moved, plane_in_region, range_of, type Handle, type Region } from "../../cut/region";
 import { corners, dragged, edges, on_screen, type Box, type Eye } from "../../picture/project";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import { HandleButton } from "../picture/handle_button";
 import { use_screen } from "../picture/use_screen";
 

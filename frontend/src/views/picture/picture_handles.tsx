@@ -5,7 +5,7 @@ import { apart, corners, edges, on_screen, type Box, type Screen } from "../../p
 import type { Scene } from "../../protocol/gen/api/proto/scene_pb";
 import { box_of, planes_of } from "../../scene/cuts";
 import { seen_direction } from "../../scene/lights";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { HandleButton } from "./handle_button";
 import type { HandleSet, InPicture } from "./in_picture";

@@ -1,7 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Point } from "../../picture/project";
 import { clamp } from "../../scene/numbers";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import type { InPicture } from "./in_picture";
 
 const ways: Readonly<Record<string, readonly [number, number]>> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };

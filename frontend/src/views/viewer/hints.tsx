@@ -1,5 +1,5 @@
 import { useEffect, useState } from "preact/hooks";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import { Icon } from "../icons";
 import { hints_due, hints_seen } from "./hint_memory";
 

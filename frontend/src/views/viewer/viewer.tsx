@@ -5,7 +5,7 @@ import { attach_gestures } from "../../input/attach";
 import { command_of, type KeyCommand } from "../../input/keys";
 import { own_place, type Place } from "../../live/place";
 import { role_of } from "../../live/role";
-import { t } from "../../texts/en";
+import { t } from "../../texts";
 import { device_pixels, watch_device_pixels } from "../../video/canvas_size";
 import { chosen_codecs, probe_codecs } from "../../video/ladder";
 import { Painter } from "../../video/painter";

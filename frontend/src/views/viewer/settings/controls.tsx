@@ -2,7 +2,7 @@ import { useEffect, useId, useRef, useState } from "preact/hooks";
 import type { Rgb } from "../../../protocol/gen/api/proto/scene_pb";
 import { hex_of, rgb_of } from "../../../scene/colour";
 import { typed_number, type Limits } from "../../../scene/numbers";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { number_text } from "../../format";
 import type { HandleSet, InPicture } from "../../picture/in_picture";

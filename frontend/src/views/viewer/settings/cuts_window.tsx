@@ -2,7 +2,7 @@ import { bounds_of } from "../../../cut/region";
 import type { Box } from "../../../picture/project";
 import { Slices_Colouring } from "../../../protocol/gen/api/proto/scene_pb";
 import * as cuts from "../../../scene/cuts";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 import { Icon } from "../../icons";
 import { KeepHandles, NumberControl, Switch, type PictureWindowProps, type WindowProps } from "./controls";
 

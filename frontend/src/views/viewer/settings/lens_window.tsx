@@ -1,6 +1,6 @@
 import { Shading_Mode, type Scene } from "../../../protocol/gen/api/proto/scene_pb";
 import * as lens from "../../../scene/lens";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon } from "../../icons";
 import type { Picking } from "../../picture/in_picture";

@@ -6,7 +6,7 @@ import { reach_of } from "../../../scene/cuts";
 import { show_environment } from "../../../scene/lens";
 import * as lights from "../../../scene/lights";
 import { is_sky } from "../../../scene/textures";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon } from "../../icons";
 import { ColourControl, KeepHandles, NumberControl, Switch, type PictureWindowProps } from "./controls";

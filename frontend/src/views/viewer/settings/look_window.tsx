@@ -3,7 +3,7 @@ import type { TransferFunction } from "../../../protocol/gen/api/proto/scene_pb"
 import { Modality } from "../../../protocol/messages";
 import { hex_of, hue_of, scaled, strength_of } from "../../../scene/colour";
 import * as transfer from "../../../scene/transfer";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 import { Icon } from "../../icons";
 import { keep, kept } from "../../kept";
 import { ColourControl, NumberControl, type WindowProps } from "./controls";

@@ -1,5 +1,5 @@
 import { useEffect, useRef, useState } from "preact/hooks";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon, type IconName } from "../../icons";
 import type { InPicture } from "../../picture/in_picture";

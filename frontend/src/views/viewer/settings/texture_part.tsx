@@ -1,7 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Light } from "../../../protocol/gen/api/proto/scene_pb";
 import { set_texture, texture_fits, texture_names, texture_of, type TextureName } from "../../../scene/textures";
-import { t } from "../../../texts/en";
+import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { read_picture, texture_file } from "./texture_files";
 

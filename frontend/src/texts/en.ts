@@ -1,2 +1,0 @@
-/** For what does not import it from `texts` yet. */
-export { t } from ".";
