@@ -52,6 +52,8 @@ STEPS = (
     Step("light", _bone_and("Light")),
     Step("lens", _press("Lens and quality")),
     Step("cut", _cut_in_half),
+    Step("slices", lambda page: page.keyboard.press("v")),
+    Step("take", lambda page: page.keyboard.press("s")),
     Step("presets", _press("Saved presets")),
     Step("share", _press("Share the picture")),
     Step("help", _press("How to move it")),
