@@ -77,10 +77,12 @@ class Guest : public std::enable_shared_from_this<Guest> {
     options.width = visit_.width;
     options.height = visit_.height;
     options.read_pause = std::chrono::milliseconds(visit_.read_pause_ms);
-    person_ = std::make_shared<Person>(place_.io, options, "");
+    // Not person_ below: once entered it is the strand's, where the stream may have ended already.
+    const auto person = std::make_shared<Person>(place_.io, options, "");
+    person_ = person;
     const auto self = shared_from_this();
     const auto answered = std::make_shared<bool>(false);  // of the strand alone
-    person_->enter(ticket, [self, answered](bool ready) {
+    person->enter(ticket, [self, answered](bool ready) {
       if (std::exchange(*answered, true)) return;
       if (!ready) return self->come_back(kAskAgain);
       ++self->place_.tally.pictures;
@@ -90,7 +92,7 @@ class Guest : public std::enable_shared_from_this<Guest> {
       }
       self->next_act();
     });
-    person_->after(kPictureWithin, [self, answered, person = person_] {
+    person->after(kPictureWithin, [self, answered, person] {
       if (std::exchange(*answered, true)) return;
       ++self->place_.tally.no_picture;
       person->cut();
