@@ -28,7 +28,7 @@ export function Hints({ onDone }: { readonly onDone: () => void }) {
   const last = at === text.all.length - 1;
   return (
     <aside class="glass hints" aria-label={text.title(at + 1, text.all.length)}>
-      <p role="status">{hint}</p>
+      <p aria-live="polite">{hint}</p>
       <button type="button" class="button button-small" onClick={() => (last ? end() : set_at(at + 1))}>{last ? text.done : text.next}</button>
       <button type="button" class="icon-button" aria-label={text.hide} title={text.hide} onClick={end}><Icon name="close" /></button>
     </aside>
