@@ -4,7 +4,7 @@ import type { Scene } from "../protocol/gen/api/proto/scene_pb";
 import * as cuts from "../scene/cuts";
 import { direction_on_ball, unit_of } from "../scene/direction";
 import * as lights from "../scene/lights";
-import { clamp, short_number } from "../scene/numbers";
+import { clamp } from "../scene/numbers";
 import { beside, dragged, face_of, middle_of, on_screen, plane_in_box, type Axis, type Box, type Eye, type Point, type Screen } from "./project";
 
 /** What a hand takes hold of in the picture. As a slider: where it is and how far it goes. */
@@ -147,6 +147,3 @@ export function handle_stepped(scene: Scene, bounds: Box, handle: Handle, right:
 }
 
 const turned = (angle: number): number => angle - 360 * Math.round(angle / 360);
-
-/** Whole mm and degrees, for who has them read out. */
-export const said_of = ({ now }: Handle): string => short_number(Math.round(now));

@@ -26,7 +26,6 @@ export const tilt_limits: Limits = { low: -90, high: 90 };
 const brightest = 1e12;
 
 export type Shape = Exclude<Light["shape"]["case"], undefined>;
-export const shape_of = (light: Light): Shape | null => light.shape.case ?? null;
 
 const vector = (v: { readonly x: number; readonly y: number; readonly z: number } | undefined): Vec3 => (v ? vec3(v.x, v.y, v.z) : vec3(0, 0, 0));
 const message = (v: Vec3) => create(Vec3Schema, v);

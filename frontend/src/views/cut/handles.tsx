@@ -1,7 +1,8 @@
 import { useRef, useState } from "preact/hooks";
 import { handles_to_take, moved, plane_in_region, range_of, type Handle, type Region } from "../../cut/region";
-import { corners, dragged, edges, on_screen, type Box, type Eye } from "../../picture/project";
+import { dragged, type Box, type Eye } from "../../picture/project";
 import { t } from "../../texts";
+import { BoxLines, PlaneShape } from "../picture/box_lines";
 import { HandleButton } from "../picture/handle_button";
 import { use_screen } from "../picture/use_screen";
 
@@ -20,17 +21,11 @@ export function Handles({ eye, region, bounds, change }: HandlesProps) {
   const area = useRef<HTMLDivElement>(null);
   const [held, set_held] = useState<Handle | null>(null);
   const screen = use_screen(area);
-  const at = (place: Parameters<typeof on_screen>[2]) => on_screen(eye, screen, place);
-  const box = corners(region).map(at);
-  const plane = plane_in_region(region).map(at).flatMap((p) => (p ? [`${p.x},${p.y}`] : []));
   return (
     <div class="handle-area cut-area" ref={area} role="region" aria-label={t.cut.area}>
       <svg aria-hidden="true" width={screen.width} height={screen.height}>
-        {edges.map(([a, b]) => {
-          const from = box[a], to = box[b];
-          return from && to ? <line key={`${a}-${b}`} class="handle-edge" x1={from.x} y1={from.y} x2={to.x} y2={to.y} /> : null;
-        })}
-        {plane.length > 2 ? <polygon points={plane.join(" ")} /> : null}
+        <BoxLines eye={eye} screen={screen} box={region} />
+        <PlaneShape eye={eye} screen={screen} polygon={plane_in_region(region)} />
       </svg>
       {handles_to_take(eye, screen, region, held).map((placed) => {
         const { handle, place, along } = placed;

@@ -1,12 +1,13 @@
 import { useRef, useState } from "preact/hooks";
 import { bounds_of } from "../../cut/region";
 import { cut_handles, drawn_plane, eye_of, ball_radius, handle_dragged, handle_stepped, light_handles, type Handle } from "../../picture/handles";
-import { apart, corners, edges, on_screen, type Box, type Screen } from "../../picture/project";
+import { apart, on_screen, type Box, type Screen } from "../../picture/project";
 import type { Scene } from "../../protocol/gen/api/proto/scene_pb";
 import { box_of, planes_of } from "../../scene/cuts";
 import { seen_direction } from "../../scene/lights";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
+import { BoxLines, PlaneShape, Stroke } from "./box_lines";
 import { HandleButton } from "./handle_button";
 import type { HandleSet, InPicture } from "./in_picture";
 import { use_screen } from "./use_screen";
@@ -78,21 +79,17 @@ interface LinesProps {
 function CutLines({ scene, bounds, screen }: LinesProps) {
   const eye = eye_of(scene);
   if (!eye) return null;
-  const at = (place: Parameters<typeof on_screen>[2]) => on_screen(eye, screen, place);
-  const box = corners(box_of(scene, bounds)).map(at);
-  const line = (key: string, from: ReturnType<typeof at> | undefined, to: ReturnType<typeof at> | undefined, name: string) =>
-    from && to ? <line key={key} class={name} x1={from.x} y1={from.y} x2={to.x} y2={to.y} /> : null;
+  const view = { eye, screen };
   return (
     <g>
-      {edges.map(([a, b]) => line(`${a}-${b}`, box[a], box[b], "handle-edge"))}
+      <BoxLines {...view} box={box_of(scene, bounds)} />
       {planes_of(scene).map((_, index) => {
         const drawn = drawn_plane(scene, bounds, index);
         if (!drawn) return null;
-        const points = drawn.polygon.map(at).flatMap((p) => (p ? [`${p.x},${p.y}`] : []));
         return (
           <g key={index}>
-            {points.length > 2 ? <polygon points={points.join(" ")} /> : null}
-            {line("normal", at(drawn.base), at(drawn.tip), "handle-normal")}
+            <PlaneShape {...view} polygon={drawn.polygon} />
+            <Stroke from={on_screen(eye, screen, drawn.base)} to={on_screen(eye, screen, drawn.tip)} name="handle-normal" />
           </g>
         );
       })}
