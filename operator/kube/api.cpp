@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <ctime>
 
+#include "operator/kube/fields.h"
+
 namespace diaphane::kube {
 namespace {
 
@@ -38,20 +40,14 @@ ErrorCode code_of(int status) {
   }
 }
 
-std::string text_of(const json& body, const char* key) {
-  if (!body.is_object()) return {};
-  const auto found = body.find(key);
-  return found != body.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
 }  // namespace
 
 Error error_of(int status, const json& body) {
   Error error;
   error.code = code_of(status);
-  error.message = text_of(body, "message");
+  error.message = text(body, "message");
   if (error.message.empty()) error.message = "the API server answered " + std::to_string(status);
-  error.field = text_of(body, "reason");
+  error.field = text(body, "reason");
   return error;
 }
 

@@ -2,6 +2,7 @@
 
 #include "common/log.h"
 #include "operator/kube/api.h"
+#include "operator/kube/fields.h"
 
 namespace diaphane::kube {
 namespace {
@@ -19,10 +20,7 @@ constexpr seconds kBeyond{30};
 constexpr milliseconds kTooShort{1000};
 
 std::string metadata(const json& object, const char* key) {
-  const auto found = object.find("metadata");
-  if (found == object.end() || !found->is_object()) return {};
-  const auto value = found->find(key);
-  return value != found->end() && value->is_string() ? value->get<std::string>() : std::string();
+  return text(part(object, "metadata"), key);
 }
 
 /// Of a token for the next page.

@@ -1,6 +1,8 @@
 #include "operator/kube/leader.h"
 
 #include "common/log.h"
+#include "operator/kube/fields.h"
+#include "operator/kube/informer.h"
 
 namespace diaphane::kube {
 namespace {
@@ -10,19 +12,6 @@ using std::chrono::steady_clock;
 
 double wall() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
-
-template <typename T>
-T value_of(const json& object, const char* part, const char* key, T fallback) {
-  const auto found = object.find(part);
-  if (found == object.end() || !found->is_object()) return fallback;
-  const auto value = found->find(key);
-  if (value == found->end() || value->is_null()) return fallback;
-  try {
-    return value->template get<T>();
-  } catch (const json::exception&) {
-    return fallback;
-  }
 }
 
 }  // namespace
@@ -43,12 +32,13 @@ json lease_object(const std::string& name, const LeaseRecord& record) {
 
 LeaseRecord lease_record(const json& object) {
   LeaseRecord record;
-  record.version = value_of<std::string>(object, "metadata", "resourceVersion", "");
-  record.holder = value_of<std::string>(object, "spec", "holderIdentity", "");
-  record.duration = std::chrono::seconds(value_of(object, "spec", "leaseDurationSeconds", 15));
-  record.transitions = value_of(object, "spec", "leaseTransitions", 0);
-  record.acquired = value_of<std::string>(object, "spec", "acquireTime", "");
-  record.renewed = value_of<std::string>(object, "spec", "renewTime", "");
+  record.version = version_of(object);
+  const json& spec = part(object, "spec");
+  record.holder = text(spec, "holderIdentity");
+  record.duration = std::chrono::seconds(number(spec, "leaseDurationSeconds", 15));
+  record.transitions = number(spec, "leaseTransitions", 0);
+  record.acquired = text(spec, "acquireTime");
+  record.renewed = text(spec, "renewTime");
   return record;
 }
 

@@ -1,18 +1,17 @@
 #include "operator/kube/watch.h"
 
+#include <algorithm>
+
+#include "operator/kube/fields.h"
+
 namespace diaphane::kube {
 namespace {
 
 using nlohmann::json;
 
-std::string text_of(const json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
-int number_of(const json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_number_integer() ? found->get<int>() : 0;
+int code_of(const json& status) {
+  const json& code = part(status, "code");
+  return code.is_number_integer() ? code.get<int>() : 0;
 }
 
 }  // namespace
@@ -20,17 +19,13 @@ int number_of(const json& object, const char* key) {
 bool must_list_again(int status, const json& body) {
   if (status == 410) return true;
   if (!body.is_object()) return false;
-  const std::string reason = text_of(body, "reason");
-  if (reason == "Expired" || reason == "Gone" || number_of(body, "code") == 410) return true;
-  if (text_of(body, "message").find("Too large resource version") != std::string::npos) return true;
-  if (const auto details = body.find("details"); details != body.end() && details->is_object()) {
-    const auto causes = details->find("causes");
-    if (causes == details->end() || !causes->is_array()) return false;
-    for (const json& cause : *causes) {
-      if (cause.is_object() && text_of(cause, "reason") == "ResourceVersionTooLarge") return true;
-    }
-  }
-  return false;
+  const std::string reason = text(body, "reason");
+  if (reason == "Expired" || reason == "Gone" || code_of(body) == 410) return true;
+  if (text(body, "message").find("Too large resource version") != std::string::npos) return true;
+  const json& causes = part(part(body, "details"), "causes");
+  return causes.is_array() && std::any_of(causes.begin(), causes.end(), [](const json& cause) {
+           return text(cause, "reason") == "ResourceVersionTooLarge";
+         });
 }
 
 WatchEvent read_event(std::string_view line) {
@@ -39,7 +34,7 @@ WatchEvent read_event(std::string_view line) {
     return {};
   }
   WatchEvent event;
-  const std::string type = text_of(parsed, "type");
+  const std::string type = text(parsed, "type");
   event.object = std::move(parsed["object"]);
   if (type == "ADDED") {
     event.type = WatchEvent::Type::kAdded;
@@ -49,7 +44,7 @@ WatchEvent read_event(std::string_view line) {
     event.type = WatchEvent::Type::kDeleted;
   } else if (type == "BOOKMARK") {
     event.type = WatchEvent::Type::kBookmark;
-  } else if (must_list_again(number_of(event.object, "code"), event.object)) {
+  } else if (must_list_again(code_of(event.object), event.object)) {
     event.type = WatchEvent::Type::kExpired;
   }
   return event;

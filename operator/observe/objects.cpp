@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "operator/kube/api.h"
+#include "operator/kube/fields.h"
 #include "operator/kube/informer.h"
 #include "operator/names.h"
 #include "operator/plan/parts.h"
@@ -12,23 +13,9 @@
 namespace diaphane::fleet {
 namespace {
 
-const Json& part(const Json& object, const char* key) {
-  static const Json none = Json::object();
-  if (!object.is_object()) return none;
-  const auto found = object.find(key);
-  return found == object.end() ? none : *found;
-}
-
-std::string text(const Json& object, const char* key, std::string fallback = {}) {
-  const Json& value = part(object, key);
-  return value.is_string() ? value.get<std::string>() : std::move(fallback);
-}
-
-template <typename T>
-T number(const Json& object, const char* key, T fallback) {
-  const Json& value = part(object, key);
-  return value.is_number() ? value.get<T>() : fallback;
-}
+using kube::number;
+using kube::part;
+using kube::text;
 
 std::optional<Seconds> time(const Json& object, const char* key) {
   return kube::time_of(text(object, key));
