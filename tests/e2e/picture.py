@@ -26,19 +26,21 @@ def facts(page: Page) -> Facts:
     return Facts(int(epoch), int(input_seq), int(samples), float(error))
 
 
+#: In the page: a canvas or picture scaled to side x side, RGB in base64. Scaling averages the noise of single pixels away.
+SHRINK = """(source, side) => {
+    const small = new OffscreenCanvas(side, side).getContext("2d");
+    small.imageSmoothingQuality = "high";
+    small.drawImage(source, 0, 0, side, side);
+    const rgba = small.getImageData(0, 0, side, side).data;
+    let text = "";
+    for (let i = 0; i < rgba.length; i += 4) text += String.fromCharCode(rgba[i], rgba[i + 1], rgba[i + 2]);
+    return btoa(text);
+}"""
+
+
 def pixels(page: Page) -> bytes:
-    """The canvas scaled to SIDE x SIDE, RGB. Scaling averages the noise of single pixels away."""
-    text = page.locator("canvas").evaluate(
-        """(canvas, side) => {
-            const small = new OffscreenCanvas(side, side).getContext("2d");
-            small.imageSmoothingQuality = "high";
-            small.drawImage(canvas, 0, 0, side, side);
-            const rgba = small.getImageData(0, 0, side, side).data;
-            let text = "";
-            for (let i = 0; i < rgba.length; i += 4) text += String.fromCharCode(rgba[i], rgba[i + 1], rgba[i + 2]);
-            return btoa(text);
-        }""", SIDE)
-    return base64.b64decode(text)
+    """The canvas scaled to SIDE x SIDE, RGB."""
+    return base64.b64decode(page.locator("canvas").evaluate(SHRINK, SIDE))
 
 
 def difference(a: bytes, b: bytes) -> float:

@@ -11,7 +11,7 @@ from playwright.sync_api import Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import SIDE, difference, drag, facts, pixels, spread, wait_for_samples
+from picture import SHRINK, SIDE, difference, drag, facts, pixels, spread, wait_for_samples
 
 PNG = b"\x89PNG\r\n\x1a\n"
 #: Mean difference of a channel, of 255, between two renderings of one view: 2 % and 5 % of noise, averaged over SIDE x SIDE boxes.
@@ -32,17 +32,11 @@ def chunks(png: bytes) -> list[str]:
 def shrunk(page: Page, png: bytes) -> tuple[int, int, bytes]:
     """Width, height, and the picture decoded by the browser and scaled as `pixels` does."""
     width, height, text = page.evaluate(
-        """async ([data, side]) => {
+        f"""async ([data, side]) => {{
             const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
-            const picture = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
-            const small = new OffscreenCanvas(side, side).getContext("2d");
-            small.imageSmoothingQuality = "high";
-            small.drawImage(picture, 0, 0, side, side);
-            const rgba = small.getImageData(0, 0, side, side).data;
-            let text = "";
-            for (let i = 0; i < rgba.length; i += 4) text += String.fromCharCode(rgba[i], rgba[i + 1], rgba[i + 2]);
-            return [picture.width, picture.height, btoa(text)];
-        }""", [base64.b64encode(png).decode(), SIDE])
+            const picture = await createImageBitmap(new Blob([bytes], {{ type: "image/png" }}));
+            return [picture.width, picture.height, ({SHRINK})(picture, side)];
+        }}""", [base64.b64encode(png).decode(), SIDE])
     return width, height, base64.b64decode(text)
 
 

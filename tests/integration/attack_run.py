@@ -26,7 +26,7 @@ from edge_help import STATUS_LINE
 from harness import TestStack
 from psycopg import sql
 from who_may_table import OPERATIONS
-from who_may_world import World, able_to_render, question
+from who_may_world import World, able_to_render, free_slots, question
 
 #: Cells at a time, each with one connection: more than the API's threads, fewer than would make it refuse.
 AT_ONCE = 24
@@ -92,15 +92,11 @@ def mark(world: World) -> None:
         world.stack.psql("UPDATE presets SET name = %s WHERE data_set_id = %s", world.word, world.data_set)
 
 
-#: By the sessions of the only worker (place.lua).
-SLOTS_TAKEN = "diaphane:worker:who-may:sessions"
-
-
 def make_room(stack: TestStack) -> None:
     """What is limited by count, of all people together or of one, is counted anew."""
     forget_attempts(stack)
     stack.psql("DELETE FROM visits")
-    stack.redis.delete(SLOTS_TAKEN)
+    free_slots(stack)
 
 
 def addresses() -> Iterator[str]:

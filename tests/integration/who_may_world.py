@@ -19,9 +19,18 @@ from harness import TestStack
 ROLES = ("nobody", "unverified", "other", "view", "edit", "owner", "administrator")
 
 
+#: The only worker.
+WORKER = "who-may"
+
+
 def able_to_render(stack: TestStack) -> None:
-    """A worker with more room than a whole list of attacks takes, for longer than it lasts."""
-    add_worker(stack, "who-may", slots=100_000, seconds=36_000)
+    """It has more room than a whole list of attacks takes, for longer than that lasts."""
+    add_worker(stack, WORKER, slots=100_000, seconds=36_000)
+
+
+def free_slots(stack: TestStack) -> None:
+    """What sessions have taken of it is given back (place.lua)."""
+    stack.redis.delete(f"diaphane:worker:{WORKER}:sessions")
 
 
 class World:

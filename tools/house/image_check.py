@@ -10,7 +10,7 @@ import subprocess
 from pathlib import Path
 from typing import Iterable
 
-from . import bench_volumes, image, paths, ports
+from . import bench_volumes, image, paths, plan, ports
 from .says import HouseError, say
 
 USER = 10001
@@ -90,10 +90,7 @@ def _edge_config() -> tuple[str, int]:
     port = ports.random_free()["edge"]
     values = {"LISTEN": f"127.0.0.1:{port}", "API_PORT": "8081", "STREAM_PORT": "8082", "STATIC_DIR": "/opt/diaphane/page", "RUN_DIR": "/run/edge",
               "CACHE_DIR": "/data/cache", "LOG": "/tmp/access.log", "PUBLIC_HOST": "diaphane.test"}
-    text = (paths.REPO / "api" / "edge" / "nginx.conf.in").read_text(encoding="utf-8")
-    for name, value in values.items():
-        text = text.replace(f"@{name}@", value)
-    return text, port
+    return plan.filled((paths.REPO / "api" / "edge" / "nginx.conf.in").read_text(encoding="utf-8"), values), port
 
 
 def run() -> int:

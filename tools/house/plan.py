@@ -157,6 +157,11 @@ def nginx_conf(s: Settings, template: str) -> str:
         "STATIC_DIR": s.layout.static, "RUN_DIR": s.data / "run", "CACHE_DIR": s.data / "cache",
         "LOG": s.data / "logs" / "edge.log", "PUBLIC_HOST": s.host,
     }
+    return filled(template, values)
+
+
+def filled(template: str, values: Mapping[str, object]) -> str:
+    """With each @NAME@ replaced by its value."""
     for name, value in values.items():
         template = template.replace(f"@{name}@", str(value))
     return template
