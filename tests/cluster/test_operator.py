@@ -232,11 +232,8 @@ def test_demand_adds_a_worker_when_the_last_slot_is_taken(cluster):
     assert cluster.status()["slotsUsed"] == 2
 
 
-@pytest.mark.parametrize("kind, verb", [("renderworkers", "create"), ("pods", "create"), ("renderworkers/status", "patch"), ("renderfleets", "list"),
-                                        ("leases", "update")])
-def test_without_one_of_its_rights_it_cannot_do_its_work(cluster, kind, verb):
-    """Each right is needed: taken away, no fleet comes to what it asks for."""
-    cluster.nodes(1, gpus=1)
+def rules_without(kind: str, verb: str) -> list[dict]:
+    """RULES, but of one right."""
     rules = [{**rule, "verbs": list(rule["verbs"])} for rule in RULES]
     for rule in list(rules):
         if kind in rule["resources"]:
@@ -245,8 +242,24 @@ def test_without_one_of_its_rights_it_cannot_do_its_work(cluster, kind, verb):
                 rules.append({**rule, "resources": rest, "verbs": list(rule["verbs"])})
             rule["resources"] = [kind]
             rule["verbs"] = [one for one in rule["verbs"] if one != verb]
-    cluster.allow(rules)
+    return rules
+
+
+@pytest.mark.parametrize("kind, verb", [("renderworkers", "create"), ("pods", "create"), ("renderworkers/status", "patch"), ("renderfleets", "list")])
+def test_without_one_of_its_rights_it_cannot_do_its_work(cluster, kind, verb):
+    """Each right is needed: taken away, no fleet comes to what it asks for."""
+    cluster.nodes(1, gpus=1)
+    cluster.allow(rules_without(kind, verb))
     operator = cluster.operator()
     cluster.fleet(replicas=1)
     wait_for(lambda: "orbidden" in operator.log.read_text(encoding="utf-8"), "a refusal in its log")
     assert cluster.status().get("readyReplicas", 0) == 0
+
+
+def test_without_the_right_to_renew_its_lease_it_leads_no_longer_than_that(cluster):
+    """It may make one: what it does until then is right."""
+    cluster.allow(rules_without("leases", "update"))
+    operator = cluster.operator()
+    wait_for(lambda: "orbidden" in operator.log.read_text(encoding="utf-8"), "a refusal in its log")
+    wait_for(lambda: not operator.alive(), "its end")
+    assert operator.process.returncode == 75
