@@ -91,6 +91,8 @@ Result<std::vector<TimeRow>> measure_times(ManyDevices devices, const volume::Vo
                       {"averaging", all, Division::kAverage},
                       {"tiles", all, Division::kTiles},
                       {"chosen", all, std::nullopt}};
+  if (wish.targets.empty()) return std::vector<TimeRow>{};
+  const double furthest = std::ranges::min(wish.targets);
   std::vector<TimeRow> rows;
   for (const Way& way : ways) {
     std::vector<std::unique_ptr<Engine>> borrowed;
@@ -103,15 +105,15 @@ Result<std::vector<TimeRow>> measure_times(ManyDevices devices, const volume::Vo
     if (!loaded) return tl::unexpected(loaded.error());
     for (const Canvas canvas : wish.canvases) {
       for (const double target : wish.targets) {
-        // Speeds and the cost of rows are learned by what was rendered before, as in a session.
+        // Speeds and the cost of rows are learned by what was rendered before, as in a session,
+        // whose pictures go on: of one that ends with its first pair no part ever comes.
         const auto renderer = engine->renderer(*loaded, 1, 0, kLiveMethod);
         if (!renderer) return tl::unexpected(renderer.error());
         const auto begin = Clock::now();
         int shown = 0;
         do {
-          if (auto warm = shoot(**renderer, scene, canvas, target, wish.longest); !warm) {
-            return tl::unexpected(warm.error());
-          }
+          const auto warm = shoot(**renderer, scene, canvas, furthest, wish.longest);
+          if (!warm) return tl::unexpected(warm.error());
         } while (++shown < 3 || seconds_since(begin) < wish.warm_up);
         std::vector<Shot> shots;
         for (std::uint32_t repeat = 0; repeat < wish.repeats; ++repeat) {
