@@ -24,6 +24,7 @@
 #include "renderd/serve/registry.h"
 #include "renderd/serve/render_worker.h"
 #include "renderd/serve/watchdog.h"
+#include "volume/node_cache.h"
 
 namespace diaphane::render {
 namespace {
@@ -47,6 +48,8 @@ struct Settings {
   std::size_t slots = 0;
   double max_error = 0;
   std::uint64_t volume_bytes = 0;
+  std::string copies_dir;
+  std::uint64_t copies_bytes = 0;
   PolicyKind policy = PolicyKind::kMarginalGain;
   std::chrono::seconds silence{0};  ///< of device or main loop; 0: no watchdog
   EngineOptions options;
@@ -105,6 +108,18 @@ Result<std::unique_ptr<Engine>> engine_of(const Settings& settings, AssistSource
   return make_composite_engine(std::move(engines), source);
 }
 
+// Without copies all goes on, slower.
+std::shared_ptr<volume::NodeCache> copies_of(const Settings& settings) {
+  if (settings.copies_dir.empty()) return {};
+  auto copies = volume::NodeCache::open({.folder = settings.copies_dir,
+                                         .bound = settings.copies_bytes,
+                                         .store = settings.volume_dir});
+  if (copies) return std::move(*copies);
+  log::warning("no_volume_copies",
+               {{"folder", settings.copies_dir}, {"message", copies.error().message}});
+  return {};
+}
+
 Settings read_settings(ConfigReader& in) {
   Settings settings;
   settings.worker_id = in.text("worker-id", "name of this worker, unique among those on one Redis");
@@ -143,6 +158,12 @@ Settings read_settings(ConfigReader& in) {
       static_cast<std::uint64_t>(
           in.integer("volume-memory-mb", "loaded volumes at most; 0: half of the device's memory",
                      0, 1 << 22, 0))
+      << 20;
+  settings.copies_dir = in.text(
+      "volume-copies-dir", "folder on this node's disk for copies of volumes; empty: none", "");
+  settings.copies_bytes =
+      static_cast<std::uint64_t>(
+          in.integer("volume-copies-mb", "all copies in that folder at most", 1, 1 << 26, 20480))
       << 20;
   settings.silence = std::chrono::seconds(in.integer(
       "watchdog-s", "a device that gives no sign of life for so long ends the program; 0: never", 0,
@@ -247,6 +268,7 @@ int run(int argc, char** argv) {
 
   RenderWorker::Options worker_options;
   worker_options.volume_dir = settings.volume_dir;
+  worker_options.copies = copies_of(settings);
   if (settings.volume_bytes > 0) {
     worker_options.volume_bytes = settings.volume_bytes;
   } else if (info.memory_bytes > 0) {

@@ -15,6 +15,7 @@
 
 #include "common/fault_point.h"
 #include "common/ids.h"
+#include "volume/fd.h"
 #include "volume/hash.h"
 #include "volume/header.h"
 #include "volume/volume.h"
@@ -30,45 +31,6 @@ constexpr const char* kHeaderFile = "volume.json";
 constexpr const char* kVoxelFile = "voxels.i16";
 constexpr const char* kTemporaryPrefix = ".tmp-";
 constexpr off_t kMaxHeaderBytes = 1 << 20;
-
-class Fd {
- public:
-  explicit Fd(int fd) : fd_(fd) {}
-  Fd(const Fd&) = delete;
-  Fd& operator=(const Fd&) = delete;
-  ~Fd() {
-    if (fd_ >= 0) close(fd_);
-  }
-  int get() const { return fd_; }
-  explicit operator bool() const { return fd_ >= 0; }
-
- private:
-  int fd_;
-};
-
-bool write_all(int fd, const void* data, std::size_t bytes) {
-  const char* at = static_cast<const char*>(data);
-  while (bytes > 0) {
-    const ssize_t done = ::write(fd, at, bytes);
-    if (done < 0 && errno == EINTR) continue;
-    if (done <= 0) return false;
-    at += done;
-    bytes -= static_cast<std::size_t>(done);
-  }
-  return true;
-}
-
-bool read_all(int fd, void* data, std::size_t bytes) {
-  char* at = static_cast<char*>(data);
-  while (bytes > 0) {
-    const ssize_t done = ::read(fd, at, bytes);
-    if (done < 0 && errno == EINTR) continue;
-    if (done <= 0) return false;
-    at += done;
-    bytes -= static_cast<std::size_t>(done);
-  }
-  return true;
-}
 
 Error disk_error(const char* what) {
   const ErrorCode code =
@@ -125,6 +87,14 @@ Result<Header> read_header(const std::string& directory) {
     return fail(ErrorCode::kUnavailable, "volume.json cannot be read");
   }
   return from_json(text);
+}
+
+std::optional<std::string> stored_hash(const std::string& directory) {
+  const auto header = read_header(directory);
+  if (header) return header->content_hash;
+  std::error_code error;
+  const bool there = fs::exists(fs::path(directory) / kHeaderFile, error);
+  return there || error ? std::nullopt : std::optional<std::string>("");
 }
 
 Result<Volume> read(const std::string& directory, bool verify_hash) {

@@ -46,6 +46,12 @@ struct Metrics::Impl {
         input_to_frame(latency(r, "diaphane_renderd_input_to_frame_seconds",
                                "From an input to the sending of the first frame that shows it.")),
         volume_bytes(gauge(r, "diaphane_renderd_volume_bytes", "Volumes on the device.")),
+        copy_bytes(gauge(r, "diaphane_renderd_volume_copy_bytes",
+                         "Copies of volumes on this node's disk.")),
+        copies(prometheus::BuildCounter()
+                   .Name("diaphane_renderd_volume_copies_total")
+                   .Help("What became of copies of volumes on this node's disk.")
+                   .Register(r)),
         stills(latency(r, "diaphane_renderd_still_seconds", "Pictures without a session.")),
         grpc_errors(prometheus::BuildCounter()
                         .Name("diaphane_renderd_grpc_errors_total")
@@ -70,6 +76,8 @@ struct Metrics::Impl {
   prometheus::Counter& slice_bytes;
   prometheus::Histogram& input_to_frame;
   prometheus::Gauge& volume_bytes;
+  prometheus::Gauge& copy_bytes;
+  prometheus::Family<prometheus::Counter>& copies;
   prometheus::Histogram& stills;
   prometheus::Family<prometheus::Counter>& grpc_errors;
   prometheus::Counter& redis_errors;
@@ -99,6 +107,20 @@ void Metrics::slice_sent(std::size_t bytes) {
 }
 void Metrics::input_to_frame(double seconds) { impl_->input_to_frame.Observe(seconds); }
 void Metrics::volumes(std::uint64_t bytes) { impl_->volume_bytes.Set(static_cast<double>(bytes)); }
+void Metrics::volume_copies(const volume::NodeCache::Counts& counts) {
+  impl_->copy_bytes.Set(static_cast<double>(counts.bytes));
+  const auto tell = [&](const char* what, std::uint64_t count) {
+    prometheus::Counter& counter = impl_->copies.Add({{"what", what}});
+    counter.Increment(std::max(0.0, static_cast<double>(count) - counter.Value()));
+  };
+  tell("hit", counts.hits);
+  tell("miss", counts.misses);
+  tell("damaged", counts.damaged);
+  tell("kept", counts.kept);
+  tell("refused", counts.refused);
+  tell("evicted", counts.evicted);
+  tell("erased", counts.erased);
+}
 void Metrics::still(double seconds) { impl_->stills.Observe(seconds); }
 void Metrics::grpc_error(const std::string& status) {
   impl_->grpc_errors.Add({{"status", status}}).Increment();

@@ -4,6 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "volume/node_cache.h"
+
 namespace prometheus {
 class Registry;
 }
@@ -27,6 +29,8 @@ class Metrics {
   /// Server side: from the arrival of an input to the sending of the first frame that shows it.
   void input_to_frame(double seconds);
   void volumes(std::uint64_t bytes);
+  /// What the node's copies of volumes did until now; by one thread at a time.
+  void volume_copies(const volume::NodeCache::Counts& counts);
   void still(double seconds);
   /// `status` is a gRPC status name: a closed set.
   void grpc_error(const std::string& status);

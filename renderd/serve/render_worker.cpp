@@ -1,44 +1,46 @@
 #include "renderd/serve/render_worker.h"
 
 #include <condition_variable>
-#include <filesystem>
 #include <mutex>
 
 #include "common/log.h"
 #include "renderd/schedule/policy.h"
 #include "renderd/session/host_volume.h"
+#include "volume/store.h"
+#include "volume/volume.h"
 
 namespace diaphane::render {
 namespace {
 
-// `id` has been checked to be an id, so it cannot lead out of the store.
-Result<VolumeCache::Handle> load_volume(Engine& engine, KeptFacts& facts, const std::string& store,
+/// Where volumes are read: the store, or a node's copies of it.
+struct Source {
+  std::string store;
+  std::shared_ptr<volume::NodeCache> copies;
+
+  // `id` has been checked to be an id, so it cannot lead out of the store.
+  Result<volume::Volume> read(const std::string& id) const {
+    return copies ? copies->read(id) : volume::read(store + "/" + id, false);
+  }
+};
+
+Result<VolumeCache::Handle> load_volume(Engine& engine, KeptFacts& facts, const Source& source,
                                         const std::string& id) {
   const auto start = std::chrono::steady_clock::now();
-  const auto volume = volume::read(store + "/" + id, false);
+  auto volume = source.read(id);
   if (!volume) return tl::unexpected(volume.error());
   auto loaded = engine.load(*volume);
   if (loaded) facts.add(*loaded, facts_of(*volume));
   const auto seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   log::info("volume_loaded", {{"volume", id}, {"ok", loaded.has_value()}, {"seconds", seconds}});
+  if (source.copies) source.copies->keep(std::move(*volume));
   return loaded;
 }
 
-Result<VolumeCache::Handle> load_voxels(const std::string& store, const std::string& id) {
-  auto volume = volume::read(store + "/" + id, false);
+Result<VolumeCache::Handle> load_voxels(const Source& source, const std::string& id) {
+  auto volume = source.read(id);
   if (!volume) return tl::unexpected(volume.error());
   return std::make_shared<const HostVolume>(std::move(*volume));
-}
-
-/// A disk that does not answer is no reason to end what people look at: only a file that is surely
-/// gone, or says otherwise, is.
-std::optional<std::string> stored_hash(const std::string& store, const std::string& id) {
-  const auto header = volume::read_header(store + "/" + id);
-  if (header) return header->content_hash;
-  std::error_code error;
-  const bool there = std::filesystem::exists(store + "/" + id + "/volume.json", error);
-  return there || error ? std::nullopt : std::optional<std::string>("");
 }
 
 Runner::Options with_device(Runner::Options options, const Engine& engine) {
@@ -52,21 +54,29 @@ Runner::Options with_device(Runner::Options options, const Engine& engine) {
 
 RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metrics& metrics,
                            const Clock& clock)
-    : engine_(std::move(engine)),
+    : metrics_(metrics),
+      copies_(options.copies),
+      engine_(std::move(engine)),
       runner_(std::make_unique<Runner>(make_policy(options.policy), clock,
                                        with_device(options.runner, *engine_))),
       encoders_(std::make_unique<EncodePool>(options.encoder_threads)),
       volumes_(std::make_unique<VolumeCache>(
-          [this, store = options.volume_dir](const std::string& id) {
-            return load_volume(*engine_, facts_, store, id);
+          [this, source = Source{options.volume_dir, options.copies}](const std::string& id) {
+            return load_volume(*engine_, facts_, source, id);
           },
           options.volume_bytes, 1,
-          [store = options.volume_dir](const std::string& id) { return stored_hash(store, id); })),
+          [store = options.volume_dir](const std::string& id) {
+            return volume::stored_hash(store + "/" + id);
+          })),
       slicers_(std::make_unique<EncodePool>(1)),
       voxels_(std::make_unique<VolumeCache>(
-          [store = options.volume_dir](const std::string& id) { return load_voxels(store, id); },
+          [source = Source{options.volume_dir, options.copies}](const std::string& id) {
+            return load_voxels(source, id);
+          },
           options.volume_bytes, 1,
-          [store = options.volume_dir](const std::string& id) { return stored_hash(store, id); })),
+          [store = options.volume_dir](const std::string& id) {
+            return volume::stored_hash(store + "/" + id);
+          })),
       host_(std::make_unique<SessionHost>(options.host, *engine_, *runner_, *encoders_, *volumes_,
                                           facts_, SliceParts{*voxels_, *slicers_}, metrics, clock)),
       stills_(std::make_unique<StillService>(*engine_, *runner_, *encoders_, *volumes_, metrics,
@@ -86,6 +96,7 @@ void RenderWorker::watch_store(const std::stop_token& stop) {
       host_->volume_gone(id);
     }
     voxels_->forget_unused();
+    if (copies_) metrics_.volume_copies(copies_->counts());
   }
 }
 

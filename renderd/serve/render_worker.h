@@ -11,6 +11,7 @@
 #include "renderd/serve/session_host.h"
 #include "renderd/serve/still_service.h"
 #include "renderd/session/histogram.h"
+#include "volume/node_cache.h"
 
 namespace diaphane::render {
 
@@ -20,6 +21,7 @@ class RenderWorker {
   struct Options {
     std::string volume_dir;
     std::uint64_t volume_bytes = std::uint64_t{4} << 30;  ///< bound of loaded volumes
+    std::shared_ptr<volume::NodeCache> copies;            ///< on a disk of this node, if any
     unsigned encoder_threads = 1;
     SessionHost::Options host;
     Runner::Options runner;  ///< but for what the engine says of its device
@@ -44,6 +46,8 @@ class RenderWorker {
   /// Each second: copies of volumes that the store has no more are let go, their sessions ended.
   void watch_store(const std::stop_token& stop);
 
+  Metrics& metrics_;
+  const std::shared_ptr<volume::NodeCache> copies_;
   // Each may call into those before it; the destructor says in which order they end.
   std::unique_ptr<Engine> engine_;
   KeptFacts facts_;

@@ -42,6 +42,8 @@ def test_lint_finds_nothing(plane, tmp_path):
     ({"fleet": {"strategy": "Random"}}, "strategy"),
     ({"fleet": {"drainTimeout": 300}}, "drainTimeout"),
     ({"fleet": {"minReplicas": 1, "scaleToZeroAfter": "5m"}}, "scaleToZeroAfter needs"),
+    ({"fleet": {"volumeCopies": {"hostPath": "/a", "storageClassName": "b"}}}, "not both"),
+    ({"fleet": {"volumeCopies": {"hostPath": "../a"}}}, "hostPath"),
     ({"operator": {"enabled": False}}, "fleet.enabled needs operator.enabled"),
     ({"networkPolicy": {"postgresTo": [{}]}}, "postgresTo"),
     ({"publicUrl": "http://x", "ingress": {"enabled": True, "tlsSecret": "t"}}, "ingress.tlsSecret"),
@@ -99,6 +101,22 @@ def test_pods_are_as_they_should_be(plane, tmp_path, choice):
                 assert one.get(probe, {}).get("httpGet", {"path": "/healthz"})["path"] == "/healthz", f"{name}: {probe} asks what it depends on"
             inside = [env for env in one.get("env", []) if any(word in env.get("value", "") for word in ("://diaphane", "smtp:"))]
             assert not inside, f"{name}: a secret by its value: {inside}"
+
+
+@pytest.mark.parametrize("given, wanted", [
+    ({}, {"emptyDir": {"sizeLimit": "10752Mi"}}),
+    ({"sizeMb": 0}, None),
+    ({"hostPath": "/var/lib/diaphane-copies"}, {"hostPath": {"path": "/var/lib/diaphane-copies", "type": "Directory"}}),
+    ({"sizeMb": 512, "storageClassName": "local"}, {"ephemeral": {"volumeClaimTemplate": {"spec": {
+        "accessModes": ["ReadWriteOnce"], "storageClassName": "local", "resources": {"requests": {"storage": "1024Mi"}}}}}}),
+], ids=str)
+def test_copies_of_volumes_lie_where_the_values_say(plane, tmp_path, given, wanted):
+    spec = next(one for one in rendered(plane, tmp_path, {"fleet": {"volumeCopies": given}}) if one["kind"] == "RenderFleet")["spec"]["template"]["spec"]
+    volume = next((one for one in spec["volumes"] if one["name"] == "copies"), None)
+    assert volume == (wanted and {"name": "copies", **wanted})
+    env = {one["name"]: one.get("value") for one in spec["containers"][0]["env"]}
+    assert env.get("DIAPHANE_VOLUME_COPIES_DIR") == (wanted and "/copies/volumes")
+    assert any(one["mountPath"] == "/copies" for one in spec["containers"][0]["volumeMounts"]) is (wanted is not None)
 
 
 def test_with_a_digest_the_tag_decides_nothing(plane, tmp_path):

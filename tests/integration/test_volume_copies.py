@@ -1,0 +1,121 @@
+"""A node's copies of volumes: read instead of the store, by each worker of the node, gone with what they are copies of."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import httpx
+import pytest
+from api_client import make_ready, person
+from cut_help import KEEP, MARK, store
+from stream_help import OtherWorker, Viewer, new_ticket, open_session, store_ball
+
+
+@pytest.fixture(scope="module")
+def node(stack_house):
+    """A stack whose renderd keeps copies, and the folder that has them."""
+    copies = stack_house.folder() / "copies"
+    stack = stack_house.open(only=("postgres", "redis", "api", "edge", "ingestd", "renderd"), extra_env={"DIAPHANE_VOLUME_COPIES_DIR": str(copies)})
+    yield stack, copies
+    stack_house.shut(stack)
+
+
+def copies_of(folder: Path, data_set: str) -> list[Path]:
+    return sorted(folder.glob(f"{data_set}.*.sealed"))
+
+
+def counted(port: int, what: str) -> int:
+    text = httpx.get(f"http://127.0.0.1:{port}/metrics", trust_env=False).text
+    found = re.search(rf'^diaphane_renderd_volume_copies_total{{what="{what}"}} (\d+)', text, re.MULTILINE)
+    return int(found.group(1)) if found else 0
+
+
+def test_a_worker_that_begins_reads_the_copy_and_a_damaged_one_is_made_again(node):
+    stack, folder = node
+    somebody = person(stack)
+    data_set = store_ball(stack, somebody)
+    session, url = open_session(somebody, data_set)
+    Viewer(stack.url, url).frame()
+    stack.wait_until(lambda: copies_of(folder, data_set), what="the copy")
+    admin = stack.ports["renderd-admin"]
+    stack.wait_until(lambda: counted(admin, "kept") == 1 and counted(admin, "miss") == 1, what="the count")
+
+    # Another renderd of this node finds the copy of the first.
+    second = OtherWorker(stack, "second", f"--volume-copies-dir={folder}", redis=stack.ports["redis"])
+    own_admin = int(next(word for word in second.argv if word.startswith("--admin-port=")).partition("=")[2])
+    second.start()
+    try:
+        stack.wait_until(lambda: stack.redis.exists("diaphane:worker:second"), what="the second worker")
+        stack.stop("renderd")
+        stack.wait_until(lambda: stack.redis.smembers("diaphane:workers") == {"second"} or not stack.redis.exists("diaphane:worker:local"), what="the first one's end")
+        Viewer(stack.url, new_ticket(somebody, session)).frame()
+        stack.wait_until(lambda: counted(own_admin, "hit") == 1, what="the count")
+        assert counted(own_admin, "miss") == 0
+    finally:
+        second.kill()
+        stack.start("renderd")
+        stack.wait_ready("renderd")
+
+    copy, = copies_of(folder, data_set)
+    copy.write_bytes(b"\0" * copy.stat().st_size)
+    stack.wait_until(lambda: not stack.redis.exists("diaphane:worker:second"), what="the second one's end")
+    Viewer(stack.url, new_ticket(somebody, session)).frame()
+    stack.wait_until(lambda: counted(admin, "damaged") == 1 and counted(admin, "kept") == 1, what="a good copy")
+    assert set(copies_of(folder, data_set)[0].read_bytes()) != {0}
+
+
+def test_what_is_deleted_has_no_copy(node):
+    stack, folder = node
+    somebody = person(stack)
+    data_set = store_ball(stack, somebody)
+    _, url = open_session(somebody, data_set)
+    Viewer(stack.url, url).frame()
+    stack.wait_until(lambda: copies_of(folder, data_set), what="the copy")
+    assert somebody.http.delete(f"/v1/data-sets/{data_set}").status_code == 204
+    stack.wait_until(lambda: not copies_of(folder, data_set), what="the copy's end")
+
+
+def test_what_is_made_anonymous_has_no_older_copy(node):
+    stack, folder = node
+    somebody = person(stack)
+    stack.stop("ingestd")  # it would read the upload that stands for one
+    data_set = somebody.upload(b"x" * 100)["id"]
+    make_ready(stack, data_set)
+    stack.psql("INSERT INTO disposals (kind, id) VALUES ('upload', %s)", data_set)
+    stack.start("ingestd")
+    stack.wait_ready("ingestd")
+    content = store(stack, data_set)
+    _, url = open_session(somebody, data_set)
+    Viewer(stack.url, url).frame()
+    old, = stack.wait_until(lambda: copies_of(folder, data_set), what="the copy")
+    assert MARK.tobytes() not in old.read_bytes(), "a copy is enciphered"
+    asked = somebody.http.post(f"/v1/data-sets/{data_set}/anonymise", json={"keep": KEEP, "volume_hash": content, "confirm": "this cannot be undone"})
+    assert asked.status_code in (200, 202), asked.text
+    stack.wait_until(lambda: somebody.http.get(f"/v1/data-sets/{data_set}/anonymise").json()["state"] == "ready", what="the cut")
+    stack.wait_until(lambda: not old.exists(), what="the older copy's end")
+    _, url = open_session(somebody, data_set)
+    Viewer(stack.url, url).frame()
+    new, = stack.wait_until(lambda: copies_of(folder, data_set), what="the copy of what is left")
+    assert new.name != old.name
+
+
+def test_without_a_folder_to_write_to_all_goes_on(node, stack_house):
+    stack, _ = node
+    somebody = person(stack)
+    data_set = store_ball(stack, somebody)
+    closed = stack_house.folder() / "closed"
+    closed.mkdir(mode=0o555)
+    other = OtherWorker(stack, "closed", f"--volume-copies-dir={closed}", redis=stack.ports["redis"])
+    stack.stop("renderd")
+    other.start()
+    try:
+        stack.wait_until(lambda: stack.redis.exists("diaphane:worker:closed") and not stack.redis.exists("diaphane:worker:local"), what="the other worker")
+        _, url = open_session(somebody, data_set)
+        Viewer(stack.url, url).frame()
+        assert '"no_volume_copies"' in other.log.read_text()
+    finally:
+        other.kill()
+        stack.start("renderd")
+        shutil.rmtree(closed)

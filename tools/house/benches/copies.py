@@ -1,0 +1,94 @@
+"""How soon a session has its picture when the volume comes from a slow claim, and when it comes from the node's copy. Slow is a library
+preloaded into renderd that lets reads of the store's voxels through at a fixed rate; copies are read as the disk gives them."""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+from .. import ports
+from ..bench import Result, result
+from ..bench_client import Person, cranium
+from ..bench_stack import folder, prepared
+from ..users import ordinary_user
+
+ABOUT = "seconds from asking for a session to its first picture, its volume in a claim of 50 MB/s and in the node's copy (a second at most)"
+
+MB_PER_SECOND = 50
+SLOW = r"""
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+// A piece of at most 1 MB, and then the time that it would have taken.
+ssize_t read(int fd, void* data, size_t bytes) {
+  static ssize_t (*real)(int, void*, size_t);
+  if (!real) real = (ssize_t (*)(int, void*, size_t))dlsym(RTLD_NEXT, "read");
+  char link[64], path[4096];
+  snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
+  ssize_t length = readlink(link, path, sizeof path - 1);
+  path[length < 0 ? 0 : length] = 0;
+  if (!strstr(path, "/volumes/") || !strstr(path, "voxels.i16")) return real(fd, data, bytes);
+  ssize_t done = real(fd, data, bytes < 1 << 20 ? bytes : 1 << 20);
+  double seconds = done > 0 ? done / (RATE * 1e6) : 0;
+  struct timespec wait = {(time_t)seconds, (long)((seconds - (time_t)seconds) * 1e9)};
+  nanosleep(&wait, 0);
+  return done;
+}
+"""
+
+
+def measure(quick: bool) -> list[Result]:
+    cold, warm = [], []
+    with folder(ordinary_user()) as base, tempfile.TemporaryDirectory() as made:
+        slow = base / "slow.so"
+        source = Path(made) / "slow.c"
+        source.write_text(SLOW, encoding="ascii")
+        subprocess.run(["cc", "-shared", "-fPIC", f"-DRATE={MB_PER_SECOND}", "-o", str(slow), str(source), "-ldl"], check=True)
+        slow.chmod(0o755)
+        copies = base / "copies"
+        copies.mkdir()
+        ordinary_user().own(copies)
+        with prepared(base, LD_PRELOAD=str(slow), DIAPHANE_VOLUME_COPIES_DIR=str(copies)) as stack:
+            person = Person(stack)
+            data_set = person.upload(cranium(stack, Path(made)))
+            person.wait_ready(data_set)
+            size = next((stack.data / "volumes" / data_set).glob("voxels.i16")).stat().st_size
+            for _ in range(1 if quick else 5):
+                for copy in copies.glob("*.sealed"):
+                    copy.unlink()
+                cold.append(_first_picture(stack, person, data_set))
+                _wait(lambda: list(copies.glob(f"{data_set}.*.sealed")))
+                warm.append(_first_picture(stack, person, data_set))
+            engine = f"{size / 1e6:.0f} MB"
+        ports.give_back(stack.ports.values())
+    return [result(f"first picture, claim of {MB_PER_SECOND} MB/s ({engine})", cold, "s"),
+            result(f"first picture, copy on the node ({engine})", warm, "s", at_most=1.0)]
+
+
+def _first_picture(stack, person: Person, data_set: str) -> float:
+    """Of a renderd that has loaded nothing yet."""
+    stack.stop_program("renderd")
+    stack.start_program("renderd")
+    stack.wait_ready("renderd", 30)
+    _wait(lambda: person.http.get("/v1/me").status_code == 200)
+    began = time.monotonic()
+    viewer = person.viewer(data_set, 512, 512)
+    viewer.frame()
+    took = time.monotonic() - began
+    viewer.close()
+    for session in person.http.get("/v1/sessions").json()["items"]:
+        person.http.delete(f"/v1/sessions/{session['session_id']}")
+    return took
+
+
+def _wait(condition, seconds: float = 30) -> None:
+    deadline = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > deadline:
+            raise TimeoutError("it did not come")
+        time.sleep(0.02)
