@@ -96,7 +96,8 @@ def _prepare(kind: str | None, may_install: bool) -> None:
 def _build(kind: str | None) -> None:
     if kind == "cluster":
         kubernetes.ensure()
-    if kind not in BY_NAME and (paths.FRONTEND / "package.json").exists():
+    # A browser looks at a cluster's page too.
+    if kind != "gpu" and (paths.FRONTEND / "package.json").exists():
         build.npm_install()
         if kind != "unit":
             build.build_page()

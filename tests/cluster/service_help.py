@@ -1,0 +1,139 @@
+"""The chart installed on nodes that run its pods: stores that exist, claims that are folders, a Service that leads to the edge."""
+
+from __future__ import annotations
+
+import email
+import email.policy
+import selectors
+import socket
+import threading
+import time
+from pathlib import Path
+
+from chart_help import CHART, SECRET, values_file
+from conftest import wait_for
+from node_agent import NodeAgent, Pod
+from plane import Plane
+
+NAME = "it-diaphane"
+
+
+class Front:
+    """A Service's way to its pods: each connection goes to one that is ready now."""
+
+    def __init__(self, pick, at: tuple[str, int] = ("127.0.0.1", 0)):
+        self.pick = pick
+        self.listener = socket.create_server(at, backlog=256)
+        self.port = self.listener.getsockname()[1]
+        threading.Thread(target=self._accept, name="front", daemon=True).start()
+
+    def _accept(self) -> None:
+        while True:
+            try:
+                one, _ = self.listener.accept()
+            except OSError:
+                return
+            threading.Thread(target=self._carry, args=(one,), daemon=True).start()
+
+    def _carry(self, one: socket.socket) -> None:
+        try:
+            other = socket.create_connection(self.pick(), timeout=5)
+        except (OSError, LookupError):
+            one.close()
+            return
+        other.settimeout(None)
+        with one, other, selectors.DefaultSelector() as ready:
+            ready.register(one, selectors.EVENT_READ, other)
+            ready.register(other, selectors.EVENT_READ, one)
+            while ready.get_map():
+                for key, _ in ready.select():
+                    try:
+                        data = key.fileobj.recv(1 << 16)
+                        if data:
+                            key.data.sendall(data)
+                            continue
+                        key.data.shutdown(socket.SHUT_WR)
+                    except OSError:
+                        return
+                    ready.unregister(key.fileobj)
+
+    def close(self) -> None:
+        self.listener.close()
+
+
+class Service:
+    """What harness.TestStack is to a machine's programs, for those of a cluster: enough of it for a person in front of a page."""
+
+    def __init__(self, plane: Plane, namespace: str, agents: list[NodeAgent], stores, folder: Path):
+        self.plane, self.namespace, self.agents, self.stores, self.folder = plane, namespace, agents, stores, folder
+        self.front = Front(self._edge)
+        self.url = f"http://localhost:{self.front.port}"
+        self.psql, self.redis, self.wait_until = stores.psql, stores.redis, stores.wait_until
+        self.dsn, self.redis_address = stores.dsn, f"127.0.0.1:{stores.ports['redis']}"
+        self.claims = {name: folder / "claims" / name for name in ("volumes", "uploads", "cache")}
+
+    def _edge(self) -> tuple[str, int]:
+        pod = next((pod for pod in self.pods("api")), None)
+        if pod is None:
+            raise LookupError("no pod of the Service is ready")
+        return pod.places.address, pod.places.ports[8080]
+
+    def pods(self, component: str) -> list[Pod]:
+        return [pod for agent in self.agents for pod in agent.running(component=component, instance="it")]
+
+    def install(self, *parts: dict) -> None:
+        for name, place in self.claims.items():
+            place.mkdir(parents=True)
+            self._own(place)
+            self.plane.apply({"apiVersion": "v1", "kind": "PersistentVolume", "metadata": {"name": f"{self.namespace}-{name}"}, "spec": {
+                "capacity": {"storage": "1Ti"}, "accessModes": ["ReadWriteMany"], "hostPath": {"path": str(place)}, "storageClassName": "",
+                "claimRef": {"namespace": self.namespace, "name": f"{NAME}-{name}"}}})
+        self._mail_folder().mkdir()
+        self._own(self._mail_folder())
+        secret = SECRET | {"postgres": self.dsn, "mail": "file:/data/cache/mail"}
+        self.plane.kubectl("create", "-n", self.namespace, "-f", "-", given={
+            "apiVersion": "v1", "kind": "Secret", "metadata": {"name": "diaphane"}, "stringData": secret})
+        values = {"publicUrl": self.url, "redis": {"address": self.redis_address}, "api": {"replicas": 1}, "operator": {"replicas": 1}}
+        self.plane.helm("install", "it", str(CHART), "-n", self.namespace, "-f", values_file(self.folder, values, *parts), "--wait", "--timeout", "180s")
+
+    def _own(self, place: Path) -> None:
+        self.plane.run_as.own(place)
+
+    def uninstall(self) -> None:
+        """The fleet first, while the operator that lets go of its workers is still there."""
+        self.plane.kubectl("delete", f"rf/{NAME}", "-n", self.namespace, "--timeout=60s", check=False)
+        self.plane.helm("uninstall", "it", "-n", self.namespace, "--wait", "--timeout", "60s", check=False)
+        self.front.close()
+
+    def _mail_folder(self) -> Path:
+        return self.claims["cache"] / "mail"
+
+    def mails(self, to: str) -> list:
+        files = sorted((one for one in self._mail_folder().iterdir() if one.suffix == ".eml" and not one.name.startswith(".")), key=lambda one: one.stat().st_mtime_ns)
+        mails = [email.message_from_bytes(one.read_bytes(), policy=email.policy.default) for one in files]
+        return [one for one in mails if to in str(one["To"])]
+
+    # Who has what
+
+    def workers(self, count: int) -> list[Pod]:
+        """So many that beat in Redis."""
+        def beating() -> list[Pod] | None:
+            pods = [pod for pod in self.pods("renderd") if self.redis.exists(f"diaphane:worker:{pod.name}")]
+            return pods if len(pods) == count else None
+        return wait_for(beating, f"{count} workers that beat")
+
+    def place_of(self, session: str) -> tuple[str, str]:
+        """Worker, and which of its processes."""
+        worker, incarnation = self.redis.hmget(f"diaphane:session:{session}", "worker", "incarnation")
+        return worker, incarnation
+
+    def pod(self, name: str) -> Pod:
+        return next(pod for agent in self.agents for pod in agent.pods.values() if pod.name == name and not pod.ended)
+
+    def moved_from(self, session: str, before: tuple[str, str], page) -> float:
+        """Until another process has the session; seconds."""
+        began = time.monotonic()
+        while self.place_of(session) in (before, (None, None)):
+            assert time.monotonic() < began + 120, f"the session stays at {before}"
+            page.wait_for_timeout(20)
+        return time.monotonic() - began
