@@ -17,6 +17,15 @@ double seconds_between(Ledger::Time from, Ledger::Time to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
+/// A viewer may be content sooner, and never later.
+LedgerRules content_with(const Effort& effort, LedgerRules rules) {
+  rules.target_error = std::max(rules.target_error, effort.stop_error);
+  if (effort.stop_samples > 0) {
+    rules.most_samples = std::min(rules.most_samples, effort.stop_samples);
+  }
+  return rules;
+}
+
 /// A mean that forgets what is some measurements old.
 double mean(double before, double now) { return before > 0 ? 0.6 * before + 0.4 * now : now; }
 
@@ -52,7 +61,7 @@ void Ledger::refresh(Wanted wanted, const DeviceCosts& device, const LedgerRules
                    .seconds_first = first_seconds_ > 0 ? first_seconds_ : device.seconds_first,
                    .moving = moving_,
                    .sharing = device.moving_sessions,
-                   .largest_moving = wanted_.moving_scale});
+                   .largest_moving = std::min(wanted_.moving_scale, wanted_.effort.moving_scale)});
   if (refused_size_ == planned_) planned_ = canvas_;
 }
 
@@ -61,7 +70,8 @@ double Ledger::seconds_per_pixel(const DeviceCosts& device) const {
   return seconds_per_pixel_ > 0 ? seconds_per_pixel_ : device.seconds_per_pixel;
 }
 
-bool Ledger::converged(const LedgerRules& rules) const {
+bool Ledger::converged(const LedgerRules& device_rules) const {
+  const LedgerRules rules = content_with(wanted_.effort, device_rules);
   if (progress_.samples >= rules.most_samples) return true;
   return progress_.samples >= rules.fewest_samples && progress_.error <= rules.target_error;
 }
@@ -74,8 +84,9 @@ double Ledger::silence(Time now) const {
   return wanted_.rest ? std::max(seconds, kRestSeconds) : seconds;
 }
 
-SessionView Ledger::view(std::uint64_t handle, const DeviceCosts& device, const LedgerRules& rules,
-                         Time now) const {
+SessionView Ledger::view(std::uint64_t handle, const DeviceCosts& device,
+                         const LedgerRules& device_rules, Time now) const {
+  const LedgerRules rules = content_with(wanted_.effort, device_rules);
   SessionView view;
   view.session = handle;
   view.target_error = rules.target_error;

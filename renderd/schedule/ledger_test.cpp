@@ -96,6 +96,44 @@ TEST_F(LedgerTest, AnErrorOfFewSamplesEndsNothing) {
   EXPECT_FALSE(gains(view()));
 }
 
+TEST_F(LedgerTest, AViewerMayBeContentSoonerButNotLater) {
+  render(20, 0.1);
+  look();
+  EXPECT_FALSE(ledger.converged(rules));
+  wanted.effort.stop_error = 0.2;
+  look();
+  EXPECT_TRUE(ledger.converged(rules));
+  EXPECT_EQ(view().error, 0) << "nothing more to gain";
+  wanted.effort = {.stop_samples = 20};
+  look();
+  EXPECT_TRUE(ledger.converged(rules));
+  wanted.effort = {.stop_samples = 21};
+  look();
+  EXPECT_FALSE(ledger.converged(rules));
+  EXPECT_GT(view().error, view().target_error);
+
+  render(20, 0.009);
+  wanted.effort = {.stop_error = 0.001, .stop_samples = 1'000};
+  look();
+  EXPECT_TRUE(ledger.converged(rules)) << "as the worker has it";
+}
+
+TEST_F(LedgerTest, WhileItMovesAPictureIsNoLargerThanItsViewerWants) {
+  const auto moving = [&](double wish, double connection) {
+    wanted.effort.moving_scale = wish;
+    wanted.moving_scale = connection;
+    input();
+    look();
+    return ledger.planned();
+  };
+  EXPECT_EQ(moving(1, 1), (Canvas{100, 100}));
+  EXPECT_EQ(moving(0.5, 1), (Canvas{50, 50}));
+  EXPECT_EQ(moving(0.5, 0.25).width, 26U) << "the connection has its say";
+  now += 1s;
+  look();
+  EXPECT_EQ(ledger.planned(), (Canvas{100, 100})) << "at rest it is whole";
+}
+
 TEST_F(LedgerTest, WhoDoesNotGainDoesNotWait) {
   render(20, 0.001);
   now += 5s;

@@ -120,6 +120,8 @@ Outcome receive_scene(SessionState& state, Receiver& receiver, const v1::SceneUp
   }
   if (!state.audience.presents(receiver)) return refuse_follower(update);
 
+  const auto effort = check_effort(update.effort());
+  if (!effort) return refuse_update(effort.error());
   bool changed = viewport != state.wanted.viewport;
   if (update.has_scene()) {
     const bool camera_alone = state.camera_only && state.wanted.scene;
@@ -132,8 +134,12 @@ Outcome receive_scene(SessionState& state, Receiver& receiver, const v1::SceneUp
     }
   }
   state.wanted.viewport = viewport;
-  changed = changed || state.wanted.raw != update.raw();
+  // Where it ends is a matter of another picture: of the one that has ended nothing more is sent.
+  changed = changed || state.wanted.raw != update.raw() ||
+            state.wanted.effort.stop_error != effort->stop_error ||
+            state.wanted.effort.stop_samples != effort->stop_samples;
   state.wanted.raw = update.raw();
+  state.wanted.effort = *effort;
   if (changed) {
     ++state.wanted.version;
   } else {
@@ -230,6 +236,20 @@ v1::Problem problem_of(const Error& error, std::uint64_t input_seq, bool fatal) 
   problem.set_input_seq(input_seq);
   problem.set_fatal(fatal);
   return problem;
+}
+
+Result<Effort> check_effort(const v1::Effort& effort) {
+  const double error = effort.stop_error(), scale = effort.moving_scale();
+  // Not a number is in no range.
+  if (!(error >= 0 && error <= 1)) {
+    return fail(ErrorCode::kInvalid, "The error to stop at must be between 0 and 1.",
+                "effort.stop_error");
+  }
+  if (scale != 0 && !(scale >= kSmallestMovingScale && scale <= 1)) {
+    return fail(ErrorCode::kInvalid, "The size while moving must be between 0.1 and 1.",
+                "effort.moving_scale");
+  }
+  return Effort{error, effort.stop_samples(), scale == 0 ? 1 : scale};
 }
 
 Result<Canvas> check_viewport(const v1::Viewport& viewport) {

@@ -53,8 +53,11 @@ struct Outcome {
 
 inline constexpr std::uint32_t kSmallestSide = 16;
 inline constexpr std::uint32_t kLargestSide = 4096;
+inline constexpr double kSmallestMovingScale = 0.1;
 
 diaphane::v1::Problem problem_of(const Error& error, std::uint64_t input_seq, bool fatal);
+/// kInvalid, naming the field.
+Result<Effort> check_effort(const diaphane::v1::Effort& effort);
 /// kInvalid or kTooLarge, naming the side.
 Result<Canvas> check_viewport(const diaphane::v1::Viewport& viewport);
 

@@ -357,5 +357,54 @@ TEST(SessionState, RawPicturesAreWantedOnlyWhereAskedFor) {
   EXPECT_EQ(state.wanted.version, version + 1);
 }
 
+TEST(SessionState, LessEffortIsTakenOverAndNonsenseRefused) {
+  SessionState state;
+  const TimePoint now{};
+  const std::uint64_t me = attach(state, {}, now)->connection;
+  ASSERT_FALSE(receive(state, me, hello(), now).problem);
+  std::uint64_t seq = 0;
+  const auto say = [&](double error, std::uint64_t samples, double scale) {
+    v1::ClientMessage message = turned(1);
+    message.mutable_scene()->set_input_seq(++seq);
+    v1::Effort& effort = *message.mutable_scene()->mutable_effort();
+    effort.set_stop_error(error);
+    effort.set_stop_samples(samples);
+    effort.set_moving_scale(scale);
+    return receive(state, me, message, now).problem;
+  };
+  ASSERT_FALSE(say(0, 0, 0));
+  EXPECT_EQ(state.wanted.effort.moving_scale, 1);
+  const std::uint64_t version = state.wanted.version;
+  ASSERT_FALSE(say(0, 0, 0.5));
+  EXPECT_EQ(state.wanted.version, version) << "the picture at rest is the same";
+  EXPECT_EQ(state.wanted.effort.moving_scale, 0.5);
+  ASSERT_FALSE(say(0.25, 100, 0.5));
+  EXPECT_EQ(state.wanted.version, version + 1) << "where it ends is another";
+  EXPECT_EQ(state.wanted.effort.stop_error, 0.25);
+  EXPECT_EQ(state.wanted.effort.stop_samples, 100U);
+
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const double error : {-0.1, 1.1, nan, inf, -inf}) {
+    const auto problem = say(error, 0, 0);
+    ASSERT_TRUE(problem) << error;
+    EXPECT_EQ(problem->field(), "effort.stop_error");
+    EXPECT_FALSE(problem->fatal());
+  }
+  for (const double scale : {-0.5, 0.01, 1.5, nan, inf}) {
+    const auto problem = say(0, 0, scale);
+    ASSERT_TRUE(problem) << scale;
+    EXPECT_EQ(problem->field(), "effort.moving_scale");
+  }
+  EXPECT_EQ(state.wanted.effort.stop_error, 0.25) << "what was refused changes nothing";
+
+  // Said no more, it is all of it again.
+  v1::ClientMessage message = turned(1);
+  message.mutable_scene()->set_input_seq(++seq);
+  ASSERT_FALSE(receive(state, me, message, now).problem);
+  EXPECT_EQ(state.wanted.effort.stop_error, 0);
+  EXPECT_EQ(state.wanted.effort.stop_samples, 0U);
+}
+
 }  // namespace
 }  // namespace diaphane::render

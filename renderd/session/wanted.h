@@ -8,17 +8,25 @@
 
 namespace diaphane::render {
 
+/// Where a viewer wants less work than the worker would put into a picture.
+struct Effort {
+  double stop_error = 0;           ///< relative; 0: as the worker has it
+  std::uint64_t stop_samples = 0;  ///< per pixel; 0: as the worker has it
+  double moving_scale = 1;         ///< of the viewport's sides, while moving, at most
+};
+
 /// What a viewer wants to see now. Absolute, so that the newest replaces all before it.
 struct Wanted {
-  std::uint64_t version = 0;  ///< rises when scene or viewport change, and only then
+  std::uint64_t version = 0;  ///< rises when another picture is wanted, and only then
   std::shared_ptr<const diaphane::v1::Scene> scene;
   Canvas viewport;
   std::uint64_t input_seq = 0;  ///< the newest input in it
   std::chrono::steady_clock::time_point last_input{};
   bool rest = false;  ///< that input said that it is the last of its gesture
   bool visible = true;
-  bool room = true;         ///< its slot before the encoder is free and the viewer keeps up
-  bool raw = false;         ///< no denoiser
+  bool room = true;  ///< its slot before the encoder is free and the viewer keeps up
+  bool raw = false;  ///< no denoiser
+  Effort effort;
   double moving_scale = 1;  ///< of the viewport's sides, while moving, at most: for the connection
   bool picture_again = false;  ///< a picture is due although nothing changed
 };
