@@ -80,7 +80,7 @@ int run_migrate(ConfigReader& in) {
 
 struct Settings {
   std::string postgres, redis, public_url, upload_dir, volume_dir, cache_dir, mail, mail_from;
-  std::string sample_token, admin_address;
+  std::string sample_token, admin_address, fleet;
   std::optional<SealingKey> factor_key;
   std::uint16_t api_port = 0, stream_port = 0, admin_port = 0;
   DataSets::Options data_sets;
@@ -90,6 +90,7 @@ Settings read_settings(ConfigReader& in) {
   Settings s;
   s.postgres = in.text("postgres", "libpq URL");
   s.redis = in.text("redis", "host:port");
+  s.fleet = in.text("fleet", "RenderFleet that grows for who finds no place", "");
   s.api_port = in.port("api-port", "REST, 127.0.0.1 only: the edge stands before it");
   s.stream_port = in.port("stream-port", "WebSocket gateway");
   s.admin_port = in.port("admin-port", "/metrics, /healthz, /readyz");
@@ -142,7 +143,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     std::fprintf(stderr, "--redis: %s\n", redis_client.error().message.c_str());
     return kExitConfig;
   }
-  redis::Sessions placed(**redis_client);
+  redis::Sessions placed(**redis_client, {}, settings.fleet);
   Database database(settings.postgres, kConnections);
   AccountRepository account_store(database);
   DataSetRepository data_set_store(database);

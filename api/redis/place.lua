@@ -3,10 +3,11 @@
 -- ARGV: session, user, data set, ticket, protocol epoch, reservation ms, ticket s, session s,
 --       most placed sessions of a person, most remembered sessions of a person,
 --       then of a guest, or empty of the owner: participant, name, hash of the link;
---       what a session that is new shows first (a serialised Scene), or empty
+--       what a session that is new shows first (a serialised Scene), or empty;
+--       the fleet that is to grow for who finds no place, or empty
 -- Returns {"placed", worker, placement}, or {why}: "not_yours", "too_many", "no_worker", "full", "no_memory".
--- Nothing is written unless it is placed, but that it was not (diaphane:refused). The keys of workers are not known beforehand, so none are declared:
--- this wants one Redis, not a Redis Cluster.
+-- Nothing is written unless it is placed, but that it was not. The keys of workers are not known beforehand, so none are declared: this wants
+-- one Redis, not a Redis Cluster.
 
 local session, user, data_set, ticket, epoch = ARGV[1], ARGV[2], ARGV[3], ARGV[4], ARGV[5]
 local reservation_ms, ticket_s, session_s = tonumber(ARGV[6]), tonumber(ARGV[7]), tonumber(ARGV[8])
@@ -17,6 +18,10 @@ local now = tonumber(time[1]) * 1000 + math.floor(tonumber(time[2]) / 1000)
 local session_key = 'diaphane:session:' .. session
 local user_key = 'diaphane:user:' .. user .. ':sessions'
 local data_set_key = 'diaphane:data_set:' .. data_set .. ':sessions'
+
+-- Looked at for one session: all workers up to so many; of more so many at random, again where they are full; and those of the last sessions on
+-- the same data set.
+local kSample, kTries, kLookers = 64, 8, 16
 
 local function entries_of(worker) return 'diaphane:worker:' .. worker .. ':sessions' end
 
@@ -85,7 +90,10 @@ if not chosen then
   if placed >= most_placed then return {'too_many'} end
 
   local why_not = 'no_worker'
-  for _, worker in ipairs(redis.call('SMEMBERS', 'diaphane:workers')) do
+  local seen = {}
+  local function consider(worker)
+    if seen[worker] then return end
+    seen[worker] = true
     local w = usable(worker)
     if w then
       redis.call('ZREMRANGEBYSCORE', entries_of(worker), '-inf', now)
@@ -102,11 +110,27 @@ if not chosen then
       end
     end
   end
+  local count = redis.call('SCARD', 'diaphane:workers')
+  if count <= kSample then
+    for _, worker in ipairs(redis.call('SMEMBERS', 'diaphane:workers')) do consider(worker) end
+  else
+    -- Of thousands a few at random are as evenly loaded as the best of all, and cost no more the more there are. Who has the volume is known
+    -- by who looks at it.
+    for _, other in ipairs(redis.call('ZREVRANGE', data_set_key, 0, kLookers - 1)) do
+      local worker = redis.call('HGET', 'diaphane:session:' .. other, 'worker')
+      if worker and redis.call('SISMEMBER', 'diaphane:workers', worker) == 1 then consider(worker) end
+    end
+    for _ = 1, kTries do
+      for _, worker in ipairs(redis.call('SRANDMEMBER', 'diaphane:workers', kSample)) do consider(worker) end
+      if chosen then break end
+    end
+  end
   if not chosen then
     -- An operator makes room for those who found none: each session once, however often it asks.
-    redis.call('ZREMRANGEBYSCORE', 'diaphane:refused', '-inf', now - 5000)
-    redis.call('ZADD', 'diaphane:refused', now, session)
-    redis.call('EXPIRE', 'diaphane:refused', 60)
+    local refused_key = ARGV[15] == '' and 'diaphane:refused' or 'diaphane:fleet:' .. ARGV[15] .. ':refused'
+    redis.call('ZREMRANGEBYSCORE', refused_key, '-inf', now - 5000)
+    redis.call('ZADD', refused_key, now, session)
+    redis.call('EXPIRE', refused_key, 60)
     return {why_not}
   end
 

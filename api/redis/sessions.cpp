@@ -55,10 +55,10 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
   const std::string session_s = std::to_string(limits_.session_s);
   const std::string placed = std::to_string(limits_.placed);
   const std::string remembered = std::to_string(limits_.remembered);
-  const Result<Reply> reply =
-      client_.run(kPlace, {request.session_id, request.user_id, request.data_set_id, ticket,
-                           kProtocolEpoch, reservation, ticket_s, session_s, placed, remembered,
-                           request.participant, request.name, request.link, request.first_scene});
+  const Result<Reply> reply = client_.run(
+      kPlace, {request.session_id, request.user_id, request.data_set_id, ticket, kProtocolEpoch,
+               reservation, ticket_s, session_s, placed, remembered, request.participant,
+               request.name, request.link, request.first_scene, fleet_});
   if (!reply) return tl::unexpected(reply.error());
   const std::string& what = reply->at(0);
   if (what == "placed") {

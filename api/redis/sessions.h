@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "api/redis/client.h"
@@ -28,7 +29,9 @@ class Sessions final : public Placement, public Tickets, public Workers, public 
   };
 
   explicit Sessions(Client& client) : Sessions(client, Limits()) {}
-  Sessions(Client& client, Limits limits) : client_(client), limits_(limits) {}
+  /// `fleet`: the RenderFleet that is to grow for who finds no place.
+  Sessions(Client& client, Limits limits, std::string fleet = {})
+      : client_(client), limits_(limits), fleet_(std::move(fleet)) {}
 
   Result<Placed> place(const PlaceRequest& request) override;
   Result<SessionInfo> find(std::string_view session_id) override;
@@ -54,6 +57,7 @@ class Sessions final : public Placement, public Tickets, public Workers, public 
 
   Client& client_;
   Limits limits_;
+  std::string fleet_;
 };
 
 }  // namespace diaphane::api::redis

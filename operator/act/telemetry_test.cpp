@@ -19,7 +19,8 @@ Reply list(const std::vector<std::string>& words) {
 }
 
 Reply answer(const std::vector<Reply>& workers) {
-  Reply reply = list({"5000000", "2", "", ""});
+  Reply reply = list({"5000000", "", "", ""});
+  reply.list[1] = list({"2"});
   reply.list[2] = list({"4990000"});
   reply.list[3].kind = Reply::Kind::kList;
   reply.list[3].list = workers;

@@ -1,7 +1,7 @@
 -- What the workers of fleets said last, whom to tell that it drains, and how much is asked for (docs/contracts.md).
 --
 -- ARGV: number of fleets, their names, then worker and owner of each RenderWorker that drains
--- Returns {now ms, refused in the last seconds, {last used ms of each fleet}, {worker, ...}}, a worker being
+-- Returns {now ms, {refused in the last seconds by each fleet}, {last used ms of each fleet}, {worker, ...}}, a worker being
 --   {owner, ms since its sample, busy, memory, sessions, used, slots, error, draining, idle since ms}.
 -- The keys of workers are not known beforehand, so none are declared: this wants one Redis, not a Redis Cluster.
 local kDrainMs = 10000
@@ -16,8 +16,14 @@ for i = count + 2, #ARGV, 2 do
   redis.call('SET', 'diaphane:worker:' .. ARGV[i] .. ':drain', ARGV[i + 1], 'PX', kDrainMs)
 end
 
-redis.call('ZREMRANGEBYSCORE', 'diaphane:refused', '-inf', now - kRefusedMs)
-local refused = redis.call('ZCARD', 'diaphane:refused')
+-- Who found no place wants one of one fleet: where api names none, of the first.
+local function refused_of(key)
+  redis.call('ZREMRANGEBYSCORE', key, '-inf', now - kRefusedMs)
+  return redis.call('ZCARD', key)
+end
+local refused = {}
+for i = 1, count do refused[i] = refused_of('diaphane:fleet:' .. ARGV[i + 1] .. ':refused') end
+if count > 0 then refused[1] = refused[1] + refused_of('diaphane:refused') end
 
 local workers = {}
 local taken = {}
@@ -39,11 +45,12 @@ end
 local last = {}
 for i = 2, count + 1 do
   local key = 'diaphane:fleet:' .. ARGV[i] .. ':last_used'
-  if refused > 0 or (taken[ARGV[i]] or 0) > 0 then
+  if refused[i - 1] > 0 or (taken[ARGV[i]] or 0) > 0 then
     redis.call('SET', key, now)
   else
     redis.call('SETNX', key, now)
   end
   last[#last + 1] = redis.call('GET', key)
 end
-return {tostring(now), tostring(refused), last, workers}
+for i = 1, count do refused[i] = tostring(refused[i]) end
+return {tostring(now), refused, last, workers}

@@ -36,7 +36,7 @@ Reading read_telemetry(const Reply& reply, const std::vector<std::string>& fleet
   for (std::size_t i = 0; i < fleets.size(); ++i) {
     Demand demand;
     demand.fleet = fleets[i];
-    demand.refused = static_cast<int>(number(reply.at(1)));
+    demand.refused = static_cast<int>(number(reply.list[1].at(i)));
     demand.last_used = ours(number(reply.list[2].at(i)));
     demand.sampled = now;
     reading.demand.push_back(std::move(demand));
