@@ -42,6 +42,7 @@
 #include "common/service/admin_server.h"
 #include "common/service/core_files.h"
 #include "common/service/signals.h"
+#include "common/wire/inner_tls.h"
 #include "volume/store.h"
 #include "volume/volume.h"
 
@@ -84,13 +85,15 @@ struct Settings {
   std::optional<SealingKey> factor_key;
   std::uint16_t api_port = 0, stream_port = 0, admin_port = 0;
   DataSets::Options data_sets;
+  wire::InnerTls tls;
 };
 
 Settings read_settings(ConfigReader& in) {
   Settings s;
   s.postgres = in.text("postgres", "libpq URL");
-  s.redis = in.text("redis", "host:port");
+  s.redis = in.text("redis", "host:port, or rediss://host:port with TLS");
   s.fleet = in.text("fleet", "RenderFleet that grows for who finds no place", "");
+  s.tls = wire::read_inner_tls(in);
   s.api_port = in.port("api-port", "REST, 127.0.0.1 only: the edge stands before it");
   s.stream_port = in.port("stream-port", "WebSocket gateway");
   s.admin_port = in.port("admin-port", "/metrics, /healthz, /readyz");
@@ -138,7 +141,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     std::fprintf(stderr, "%s\n", transport.error().message.c_str());
     return kExitConfig;
   }
-  auto redis_client = redis::Client::create({.address = settings.redis});
+  auto redis_client = redis::Client::create({.address = settings.redis, .tls = settings.tls});
   if (!redis_client) {
     std::fprintf(stderr, "--redis: %s\n", redis_client.error().message.c_str());
     return kExitConfig;
@@ -210,7 +213,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   Reports reports(data_sets, presets, report_store, account_store, clock,
                   [&](const std::string& data_set) { sharing.end_lost_sessions(data_set); });
   LiveLinks live_links(data_sets, placed, link_store);
-  stream::WorkerStills stills(placed);
+  stream::WorkerStills stills(placed, settings.tls);
   Thumbnails thumbnails(data_sets, stills, settings.cache_dir);
   PresetPictures preset_pictures(data_sets, presets, preset_store, stills, clock,
                                  settings.cache_dir, scene_bytes);
@@ -294,7 +297,9 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     return kExitUnavailable;
   }
   auto gateway =
-      stream::Gateway::start({.port = settings.stream_port, .public_url = settings.public_url},
+      stream::Gateway::start({.port = settings.stream_port,
+                              .public_url = settings.public_url,
+                              .tls = settings.tls},
                              placed, placed, placed, (*admin)->registry());
   if (!gateway) {
     std::fprintf(stderr, "%s\n", gateway.error().message.c_str());

@@ -18,6 +18,7 @@
 #include "common/log.h"
 #include "common/service/admin_server.h"
 #include "common/service/signals.h"
+#include "common/wire/inner_tls.h"
 #include "renderd/composite/composite_engine.h"
 #include "renderd/serve/grpc_assistants.h"
 #include "renderd/serve/grpc_server.h"
@@ -57,6 +58,7 @@ struct Settings {
   std::vector<int> devices;
   std::vector<std::string> assist;
   std::string owner;
+  wire::InnerTls tls;
 };
 
 std::vector<std::string> split(const std::string& text) {
@@ -64,6 +66,13 @@ std::vector<std::string> split(const std::string& text) {
   std::istringstream in(text);
   for (std::string word; std::getline(in, word, ',');) words.push_back(word);
   return words;
+}
+
+void must_not_be_plain(ConfigReader& in, const char* name, const std::string& address,
+                       const wire::InnerTls& tls) {
+  if (const auto plain = wire::may_be_plain(address, tls); !plain) {
+    in.mistake("--" + std::string(name) + ": " + plain.error().message);
+  }
 }
 
 void read_devices(ConfigReader& in, Settings& settings) {
@@ -86,7 +95,12 @@ void read_devices(ConfigReader& in, Settings& settings) {
   settings.assist = split(
       in.text("assist", "other renderd that help with each picture: host:port, with commas", ""));
   for (const std::string& address : settings.assist) {
-    if (!parse_redis_address(address)) in.mistake("--assist: '" + address + "' is no host:port");
+    const auto parsed = parse_redis_address(address);
+    if (!parsed || parsed->with_tls) {
+      in.mistake("--assist: '" + address + "' is no host:port");
+    } else if (!settings.tls.on()) {
+      must_not_be_plain(in, "assist", address, settings.tls);
+    }
   }
 }
 
@@ -123,13 +137,23 @@ std::shared_ptr<volume::NodeCache> copies_of(const Settings& settings) {
 Settings read_settings(ConfigReader& in) {
   Settings settings;
   settings.worker_id = in.text("worker-id", "name of this worker, unique among those on one Redis");
-  const std::string redis = in.text("redis", "host:port");
+  const std::string redis = in.text("redis", "host:port, or rediss://host:port with TLS");
+  settings.tls = wire::read_inner_tls(in);
   if (const auto address = parse_redis_address(redis)) {
     settings.redis = *address;
+    settings.redis.tls = settings.tls.files;
+    if (!address->with_tls) {
+      must_not_be_plain(in, "redis", redis, settings.tls);
+    } else if (!settings.tls.on()) {
+      in.mistake("--redis: rediss:// needs --inner-tls-ca and those with it");
+    }
   } else if (!redis.empty()) {
     in.mistake("--redis " + address.error().message);
   }
   settings.grpc_address = in.text("grpc-address", "address to listen on", "127.0.0.1");
+  if (!settings.tls.on()) {
+    must_not_be_plain(in, "grpc-address", settings.grpc_address, settings.tls);
+  }
   settings.grpc_port = in.port("grpc-port", "gRPC, for the gateway");
   settings.advertise = in.text("advertise", "host:port at which the gateway finds this worker");
   settings.admin_port = in.port("admin-port", "metrics and health");
@@ -221,7 +245,7 @@ int run(int argc, char** argv) {
   service::StopSignal stop;
 
   std::unique_ptr<GrpcAssistants> assistants;
-  if (!settings.assist.empty()) assistants = std::make_unique<GrpcAssistants>(settings.assist);
+  if (!settings.assist.empty()) assistants = std::make_unique<GrpcAssistants>(settings.assist, settings.tls);
   auto engine = engine_of(settings, assistants.get());
   if (!engine) {
     std::fprintf(stderr, "--engine: %s\n", engine.error().message.c_str());
@@ -287,6 +311,7 @@ int run(int argc, char** argv) {
   GrpcServer::Options server_options;
   server_options.address = settings.grpc_address;
   server_options.port = settings.grpc_port;
+  server_options.tls = settings.tls;
   // A gateway has one connection for all its sessions here, and asks for thumbnails on it.
   server_options.most_streams =
       std::max(server_options.most_streams, static_cast<int>(settings.slots) + 64);

@@ -8,6 +8,9 @@
 #include <optional>
 #include <utility>
 
+#include "common/log.h"
+#include "common/wire/tls_tunnel.h"
+
 namespace diaphane::api::redis {
 namespace {
 
@@ -73,6 +76,7 @@ struct Client::Impl {
   Options options;
   std::string host;
   int port = 0;
+  std::unique_ptr<wire::TlsTunnels> tunnels;  ///< where there is TLS; outlives the connections
 
   std::mutex mutex;
   std::condition_variable returned;
@@ -95,10 +99,20 @@ struct Client::Impl {
   };
 
   Context connect(milliseconds connect_limit, milliseconds command_limit) const {
-    Context context(redisConnectWithTimeout(host.c_str(), port, to_timeval(connect_limit)));
+    Context context;
+    if (tunnels) {
+      const auto local = tunnels->open(host, port, connect_limit);
+      if (!local) {
+        log::warning("redis", {{"reason", local.error().message}});
+        return nullptr;
+      }
+      context.reset(redisConnectFd(*local));
+    } else {
+      context.reset(redisConnectWithTimeout(host.c_str(), port, to_timeval(connect_limit)));
+    }
     if (!context || context->err != 0) return nullptr;
     redisSetTimeout(context.get(), to_timeval(command_limit));
-    redisEnableKeepAlive(context.get());
+    if (!tunnels) redisEnableKeepAlive(context.get());
     return context;
   }
 
@@ -165,6 +179,16 @@ struct Client::Impl {
 
 Result<std::unique_ptr<Client>> Client::create(Options options) {
   auto impl = std::make_unique<Impl>();
+  constexpr std::string_view kWithTls = "rediss://";
+  if (options.address.starts_with(kWithTls)) {
+    options.address.erase(0, kWithTls.size());
+    if (!options.tls.on()) {
+      return fail(ErrorCode::kInvalid, "rediss:// needs --inner-tls-ca and those with it", "redis");
+    }
+    impl->tunnels = std::make_unique<wire::TlsTunnels>(options.tls.files);
+  } else if (auto plain = wire::may_be_plain(options.address, options.tls); !plain) {
+    return fail(ErrorCode::kInvalid, plain.error().message, "redis");
+  }
   const std::size_t colon = options.address.rfind(':');
   if (colon == std::string::npos || colon == 0) {
     return fail(ErrorCode::kInvalid, "must be host:port", "redis");

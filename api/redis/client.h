@@ -10,6 +10,7 @@
 #include "api/redis/reply.h"
 #include "api/redis/script.h"
 #include "common/result.h"
+#include "common/wire/inner_tls.h"
 
 namespace diaphane::api::redis {
 
@@ -26,13 +27,14 @@ using Arguments = std::vector<std::string_view>;
 class Client {
  public:
   struct Options {
-    std::string address;  ///< "host:port"
+    std::string address;  ///< "host:port", or "rediss://host:port" with TLS
     std::size_t connections = 8;
     std::chrono::milliseconds connect_timeout{250};
     std::chrono::milliseconds command_timeout{1000};
+    wire::InnerTls tls{};  ///< of a rediss address, and whether another may be plain
   };
 
-  /// kInvalid for an address that is none. Connects only when it is used.
+  /// kInvalid for an address that is none, or that must not be plain. Connects only when it is used.
   static Result<std::unique_ptr<Client>> create(Options options);
   ~Client();
   Client(const Client&) = delete;

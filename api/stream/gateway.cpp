@@ -175,7 +175,8 @@ Result<std::unique_ptr<Gateway>> Gateway::start(Options options, const GatewayLi
   if (origin.empty()) return fail(ErrorCode::kInvalid, "must be an http address", "public-url");
   const unsigned threads = std::max(1u, options.threads);
   auto hub =
-      std::make_shared<Hub>(limits, std::move(origin), placement, tickets, workers, registry);
+      std::make_shared<Hub>(limits, std::move(origin), placement, tickets, workers, registry,
+                            std::move(options.tls));
   auto impl = std::make_unique<Impl>(std::move(hub), threads);
   if (const error_code error = impl->listen(options.address, options.port)) {
     return fail(ErrorCode::kUnavailable, "the stream port " + std::to_string(options.port) +

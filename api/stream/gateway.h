@@ -10,6 +10,7 @@
 #include "api/service/placement.h"
 #include "api/service/workers.h"
 #include "common/result.h"
+#include "common/wire/inner_tls.h"
 
 namespace diaphane::api::stream {
 
@@ -26,6 +27,7 @@ class Gateway {
     std::uint16_t port = 0;             ///< 0: any free one
     std::string public_url;             ///< pages of its origin may connect, no others
     unsigned threads = 2;
+    wire::InnerTls tls{};  ///< to the workers
   };
 
   /// kInvalid: `public_url` is no http address. kUnavailable: the port cannot be opened. The

@@ -44,13 +44,14 @@ struct GatewayLimits {
 class Hub {
  public:
   Hub(const GatewayLimits& bounds, std::string origin, Placement& places, Tickets& entries,
-      Workers& renderers, prometheus::Registry& registry)
+      Workers& renderers, prometheus::Registry& registry, wire::InnerTls tls)
       : limits(bounds),
         public_origin(std::move(origin)),
         placement(places),
         tickets(entries),
         workers(renderers),
-        metrics(registry) {}
+        metrics(registry),
+        channels(std::move(tls)) {}
 
   const GatewayLimits limits;
   const std::string public_origin;

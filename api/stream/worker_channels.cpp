@@ -8,7 +8,10 @@
 #include <cerrno>
 #include <new>
 #include <thread>
+#include <utility>
 #include <vector>
+
+#include "common/wire/grpc_credentials.h"
 
 namespace diaphane::api::stream {
 namespace {
@@ -44,6 +47,9 @@ class Socket {
 
 }  // namespace
 
+WorkerChannels::WorkerChannels(wire::InnerTls tls)
+    : tls_(std::move(tls)), credentials_(wire::channel_credentials(tls_)) {}
+
 std::shared_ptr<grpc::Channel> WorkerChannels::to(const std::string& address,
                                                   const std::string& incarnation) {
   const std::lock_guard lock(mutex_);
@@ -62,7 +68,7 @@ std::shared_ptr<grpc::Channel> WorkerChannels::to(const std::string& address,
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 5000);
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5000);
     arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
-    channel = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+    channel = wire::open_channel(address, tls_, credentials_, arguments);
   }
   return channel;
 }

@@ -8,6 +8,8 @@
 #include <mutex>
 #include <string>
 
+#include "common/wire/inner_tls.h"
+
 namespace diaphane::api::stream {
 
 /// One gRPC channel for each worker that is in use. Keyed by incarnation too: a worker that was
@@ -17,7 +19,7 @@ namespace diaphane::api::stream {
 /// threads, and so must never come about on one of these (grpc 1.51, CallbackAlternativeCQ).
 class WorkerChannels {
  public:
-  WorkerChannels() = default;
+  explicit WorkerChannels(wire::InnerTls tls = {});
   /// Waits up to 2 s for the calls that still use a channel.
   ~WorkerChannels();
   WorkerChannels(const WorkerChannels&) = delete;
@@ -28,6 +30,8 @@ class WorkerChannels {
   void drop_unused();
 
  private:
+  const wire::InnerTls tls_;
+  const std::shared_ptr<grpc::ChannelCredentials> credentials_;
   std::mutex mutex_;
   std::map<std::string, std::shared_ptr<grpc::Channel>> channels_;
 };

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <utility>
+
 #include "api/service/placement.h"
 #include "api/service/workers.h"
 #include "api/stream/worker_channels.h"
@@ -10,7 +12,8 @@ namespace diaphane::api::stream {
 /// When it breaks off, the next is asked.
 class WorkerStills final : public Stills {
  public:
-  explicit WorkerStills(Workers& workers) : workers_(workers) {}
+  explicit WorkerStills(Workers& workers, wire::InnerTls tls = {})
+      : workers_(workers), channels_(std::move(tls)) {}
   Result<std::string> render(const StillRequest& request) override;
 
  private:

@@ -13,6 +13,7 @@
 
 #include "api/proto/worker.grpc.pb.h"
 #include "common/log.h"
+#include "common/wire/grpc_credentials.h"
 #include "renderd/composite/wire.h"
 
 namespace diaphane::render {
@@ -278,7 +279,8 @@ class GrpcAssistant final : public Assistant {
 
 }  // namespace
 
-GrpcAssistants::GrpcAssistants(std::vector<std::string> addresses) {
+GrpcAssistants::GrpcAssistants(std::vector<std::string> addresses, const wire::InnerTls& tls) {
+  const auto credentials = wire::channel_credentials(tls);
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMostMessageBytes);
   // A worker that vanished without a word is noticed within 5 s, and looked for again each second.
@@ -288,7 +290,7 @@ GrpcAssistants::GrpcAssistants(std::vector<std::string> addresses) {
   for (std::string& address : addresses) {
     auto peer = std::make_shared<Peer>();
     peer->stub = v1::RenderWorker::NewStub(
-        grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments));
+        wire::open_channel(address, tls, credentials, arguments));
     peer->address = std::move(address);
     peers_.push_back(std::move(peer));
   }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/wire/inner_tls.h"
 #include "renderd/composite/composite_engine.h"
 
 namespace diaphane::render {
@@ -13,7 +14,7 @@ namespace diaphane::render {
 class GrpcAssistants final : public AssistSource {
  public:
   /// `addresses`: host:port of each.
-  explicit GrpcAssistants(std::vector<std::string> addresses);
+  explicit GrpcAssistants(std::vector<std::string> addresses, const wire::InnerTls& tls = {});
   /// Waits until no call is under way; the assistants must have gone.
   ~GrpcAssistants() override;
 

@@ -11,6 +11,7 @@
 
 #include "api/proto/worker.grpc.pb.h"
 #include "common/log.h"
+#include "common/wire/grpc_credentials.h"
 #include "renderd/serve/assist_reactor.h"
 
 namespace diaphane::render {
@@ -300,7 +301,7 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::start(Options options, SessionHo
   // little there is to say.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 2'000);
   builder.AddListeningPort(options.address + ":" + std::to_string(options.port),
-                           grpc::InsecureServerCredentials(), &impl->port);
+                           wire::server_credentials(options.tls), &impl->port);
   builder.RegisterService(&impl->service);
   impl->server = builder.BuildAndStart();
   if (!impl->server || impl->port == 0) {

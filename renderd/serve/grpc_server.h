@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/result.h"
+#include "common/wire/inner_tls.h"
 #include "renderd/serve/assist_session.h"
 #include "renderd/serve/metrics.h"
 #include "renderd/serve/session_host.h"
@@ -21,6 +22,7 @@ class GrpcServer {
     std::uint16_t port = 0;  ///< 0: a free one
     int most_streams = 256;  ///< concurrent calls on one connection
     int most_message_bytes = 1 << 20;
+    wire::InnerTls tls{};  ///< on: who has no certificate of the CA is refused
   };
 
   /// kUnavailable when the port is taken. Without `assists` nobody is assisted.

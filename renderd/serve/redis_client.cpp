@@ -6,6 +6,9 @@
 #include <charconv>
 #include <map>
 
+#include "common/log.h"
+#include "common/wire/tls_tunnel.h"
+
 namespace diaphane::render {
 namespace {
 
@@ -28,12 +31,23 @@ std::string text_of(const redisReply& reply) {
 
 struct RedisClient::Impl {
   RedisAddress address;
+  std::unique_ptr<wire::TlsTunnels> tunnels;
   std::unique_ptr<redisContext, FreeContext> context;
   std::map<std::string, std::string, std::less<>> hashes;  // of scripts, by text
 
   Result<void> connect() {
     if (context) return {};
-    context.reset(redisConnectWithTimeout(address.host.c_str(), address.port, kConnectTimeout));
+    if (tunnels) {
+      const auto local = tunnels->open(address.host, address.port,
+                                       std::chrono::seconds(kConnectTimeout.tv_sec));
+      if (!local) {
+        log::warning("redis", {{"reason", local.error().message}});
+        return fail(ErrorCode::kUnavailable, "Redis does not answer.");
+      }
+      context.reset(redisConnectFd(*local));
+    } else {
+      context.reset(redisConnectWithTimeout(address.host.c_str(), address.port, kConnectTimeout));
+    }
     if (!context || context->err != 0) {
       context.reset();
       return fail(ErrorCode::kUnavailable, "Redis does not answer.");
@@ -61,11 +75,14 @@ struct RedisClient::Impl {
 };
 
 Result<RedisAddress> parse_redis_address(std::string_view text) {
+  constexpr std::string_view kWithTls = "rediss://";
+  const bool with_tls = text.starts_with(kWithTls);
+  if (with_tls) text.remove_prefix(kWithTls.size());
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos || colon == 0) {
     return fail(ErrorCode::kInvalid, "must be host:port");
   }
-  RedisAddress address{std::string(text.substr(0, colon)), 0};
+  RedisAddress address{.host = std::string(text.substr(0, colon)), .with_tls = with_tls};
   const std::string_view port = text.substr(colon + 1);
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), address.port);
   if (error != std::errc() || end != port.data() + port.size() || address.port == 0) {
@@ -75,6 +92,7 @@ Result<RedisAddress> parse_redis_address(std::string_view text) {
 }
 
 RedisClient::RedisClient(RedisAddress address) : impl_(std::make_unique<Impl>()) {
+  if (address.with_tls) impl_->tunnels = std::make_unique<wire::TlsTunnels>(address.tls);
   impl_->address = std::move(address);
 }
 RedisClient::~RedisClient() = default;

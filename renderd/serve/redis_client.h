@@ -7,15 +7,18 @@
 #include <vector>
 
 #include "common/result.h"
+#include "common/wire/inner_tls.h"
 
 namespace diaphane::render {
 
 struct RedisAddress {
   std::string host;
   std::uint16_t port = 0;
+  bool with_tls = false;
+  wire::TlsFiles tls{};
 };
 
-/// "host:port".
+/// "host:port", or "rediss://host:port" with TLS.
 Result<RedisAddress> parse_redis_address(std::string_view text);
 
 /// One connection to Redis, used by one thread. Connects when first needed and again after a

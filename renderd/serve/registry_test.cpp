@@ -63,7 +63,7 @@ class TestRedis {
   }
 
   const ClaimedPort port = ClaimedPort::take().value();
-  const RedisAddress address{"127.0.0.1", port.number()};
+  const RedisAddress address{.host = "127.0.0.1", .port = port.number()};
 
  private:
   pid_t pid_ = 0;

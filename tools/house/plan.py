@@ -88,7 +88,7 @@ def _inherited(settings: Settings) -> dict[str, str]:
 def _own(settings: Settings, **values: object) -> dict[str, str]:
     """Environment of one of our programs: setting `api_port` becomes DIAPHANE_API_PORT. Not on the command line,
     where everybody on the machine could read the passwords."""
-    return _inherited(settings) | {f"DIAPHANE_{k.upper()}": str(v) for k, v in values.items()}
+    return _inherited(settings) | {f"DIAPHANE_{k.upper()}": str(v) for k, v in values.items()} | settings.extra_env
 
 
 def _postgres(s: Settings) -> Program:

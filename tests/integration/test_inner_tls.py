@@ -1,0 +1,112 @@
+"""TLS between api, renderd and Redis: all of it works with certificates of one authority, and nothing without."""
+
+from __future__ import annotations
+
+import socket
+import ssl
+import subprocess
+from pathlib import Path
+
+import httpx
+import pytest
+from api_client import person
+from stream_help import PROGRAMS, Viewer, free_port, open_session, store_ball
+
+NAMES = "subjectAltName=IP:127.0.0.1"
+
+
+def openssl(folder: Path, *words: str) -> None:
+    subprocess.run(["openssl", *words], check=True, capture_output=True, cwd=folder)
+
+
+def issue(folder: Path) -> None:
+    """ca.pem, own.pem and own.key, for 127.0.0.1; what was there is replaced."""
+    key = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes")
+    openssl(folder, "req", "-x509", *key, "-keyout", "ca.key", "-days", "2", "-subj", "/CN=test-ca", "-out", "ca.pem")
+    openssl(folder, "req", "-new", *key, "-keyout", "own.key", "-subj", "/CN=diaphane-test", "-addext", NAMES, "-out", "own.csr")
+    (folder / "own.ext").write_text(NAMES)
+    openssl(folder, "x509", "-req", "-in", "own.csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-days", "2", "-extfile", "own.ext", "-out", "own.pem")
+
+
+@pytest.fixture
+def ours(stack_house) -> Path:
+    folder = stack_house.folder()
+    issue(folder)
+    for file in folder.iterdir():
+        stack_house.run_as.own(file)
+    return folder
+
+
+@pytest.fixture
+def redis_port(stack_house, ours):
+    """A Redis that talks TLS alone, to whom the authority has signed."""
+    port, data = free_port(), stack_house.folder()
+    files = ("--tls-ca-cert-file", str(ours / "ca.pem"), "--tls-cert-file", str(ours / "own.pem"), "--tls-key-file", str(ours / "own.key"))
+    server = subprocess.Popen(["/usr/bin/redis-server", "--port", "0", "--tls-port", str(port), "--bind", "127.0.0.1", "--dir", str(data), "--save", "",
+                               "--tls-auth-clients", "yes", *files], stdout=subprocess.DEVNULL, **stack_house.run_as.popen())
+    yield port
+    server.kill()
+    server.wait()
+
+
+def settings(folder: Path) -> dict[str, str]:
+    return {"DIAPHANE_INNER_TLS_CA": str(folder / "ca.pem"), "DIAPHANE_INNER_TLS_CERTIFICATE": str(folder / "own.pem"),
+            "DIAPHANE_INNER_TLS_KEY": str(folder / "own.key")}
+
+
+def hears_in_plain(port: int, said: bytes) -> bytes:
+    """What somebody without TLS is told."""
+    with socket.create_connection(("127.0.0.1", port), timeout=10) as one:
+        one.sendall(said)
+        try:
+            return one.recv(100)
+        except OSError:
+            return b""
+
+
+def test_a_picture_comes_over_tls_to_redis_and_renderd_and_nobody_else_gets_in(stack_factory, ours, redis_port):
+    stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_REDIS": f"rediss://127.0.0.1:{redis_port}", **settings(ours)})
+    who = person(stack)
+    viewer = Viewer(stack.url, open_session(who, store_ball(stack, who))[1])
+    assert viewer.frame(timeout=60).samples > 0
+    assert stack.redis.dbsize() == 0, "the Redis without TLS was not used"
+
+    assert b"PONG" not in hears_in_plain(redis_port, b"PING\r\n")
+    grpc = stack.ports["grpc"]
+    # The preface of HTTP/2 is what a plain gRPC server answers with its settings (a frame of type 4).
+    assert b"\0\0" not in hears_in_plain(grpc, b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0")[:3]
+    nobody = ssl.create_default_context(cafile=str(ours / "ca.pem"))
+    nobody.set_alpn_protocols(["h2"])
+    with pytest.raises(OSError), socket.create_connection(("127.0.0.1", grpc), timeout=10) as one:
+        with nobody.wrap_socket(one, server_hostname="127.0.0.1") as inside:    # trusts the server, and has no certificate of its own
+            inside.sendall(b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0")
+            if not inside.recv(9):
+                raise ConnectionError("closed")
+
+    # Certificates of another authority: api reaches neither.
+    viewer.leave()
+    issue(ours)
+    stack.kill("api", restart=False)
+    for file in ours.iterdir():
+        stack.stack.run_as.own(file)
+    stack.start("api")
+    stack.wait_until(lambda: '"event":"redis","reason":"TLS: ' in stack.log("api"), 60, "its refusal")
+    ready = f"http://127.0.0.1:{stack.ports['api-admin']}/readyz"
+    assert httpx.get(ready).status_code == 503
+
+
+@pytest.mark.parametrize(("program", "setting", "value"), [
+    ("api", "redis", "10.0.0.1:6379"), ("renderd", "redis", "redis.example.org:6379"), ("renderd", "grpc-address", "0.0.0.0"),
+    ("renderd", "assist", "10.0.0.2:8085"), ("api", "redis", "rediss://127.0.0.1:6379"),
+])
+def test_another_machine_is_not_reached_without_tls_unless_somebody_says_so(stack_house, tmp_path, program, setting, value):
+    binary = stack_house.layout().bin / f"diaphane-{program}"
+
+    def said(*more: str) -> str:
+        """The mistakes of settings; those that are missing are among them, so that nothing starts."""
+        return subprocess.run([str(binary), f"--{setting}", value, *more], capture_output=True, text=True, env={}, timeout=60).stderr
+
+    words = "rediss:// needs --inner-tls-ca" if value.startswith("rediss") else "there is no TLS to it"
+    assert words in said()
+    if not value.startswith("rediss"):
+        assert words not in said("--inner-plain", "1")
