@@ -94,6 +94,7 @@ Settings read_settings(ConfigReader& in) {
   s.redis = in.text("redis", "host:port, or rediss://host:port with TLS");
   s.fleet = in.text("fleet", "RenderFleet that grows for who finds no place", "");
   s.tls = wire::read_inner_tls(in);
+  wire::check_address(in, "redis", s.redis, s.tls);
   s.api_port = in.port("api-port", "REST, 127.0.0.1 only: the edge stands before it");
   s.stream_port = in.port("stream-port", "WebSocket gateway");
   s.admin_port = in.port("admin-port", "/metrics, /healthz, /readyz");
@@ -296,11 +297,9 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     std::fprintf(stderr, "%s\n", listener.error().message.c_str());
     return kExitUnavailable;
   }
-  auto gateway =
-      stream::Gateway::start({.port = settings.stream_port,
-                              .public_url = settings.public_url,
-                              .tls = settings.tls},
-                             placed, placed, placed, (*admin)->registry());
+  auto gateway = stream::Gateway::start(
+      {.port = settings.stream_port, .public_url = settings.public_url, .tls = settings.tls},
+      placed, placed, placed, (*admin)->registry());
   if (!gateway) {
     std::fprintf(stderr, "%s\n", gateway.error().message.c_str());
     return gateway.error().code == ErrorCode::kInvalid ? kExitConfig : kExitUnavailable;

@@ -68,13 +68,6 @@ std::vector<std::string> split(const std::string& text) {
   return words;
 }
 
-void must_not_be_plain(ConfigReader& in, const char* name, const std::string& address,
-                       const wire::InnerTls& tls) {
-  if (const auto plain = wire::may_be_plain(address, tls); !plain) {
-    in.mistake("--" + std::string(name) + ": " + plain.error().message);
-  }
-}
-
 void read_devices(ConfigReader& in, Settings& settings) {
   const std::string devices = in.text(
       "devices",
@@ -99,7 +92,7 @@ void read_devices(ConfigReader& in, Settings& settings) {
     if (!parsed || parsed->with_tls) {
       in.mistake("--assist: '" + address + "' is no host:port");
     } else if (!settings.tls.on()) {
-      must_not_be_plain(in, "assist", address, settings.tls);
+      wire::check_address(in, "assist", address, settings.tls);
     }
   }
 }
@@ -142,17 +135,13 @@ Settings read_settings(ConfigReader& in) {
   if (const auto address = parse_redis_address(redis)) {
     settings.redis = *address;
     settings.redis.tls = settings.tls.files;
-    if (!address->with_tls) {
-      must_not_be_plain(in, "redis", redis, settings.tls);
-    } else if (!settings.tls.on()) {
-      in.mistake("--redis: rediss:// needs --inner-tls-ca and those with it");
-    }
+    wire::check_address(in, "redis", redis, settings.tls);
   } else if (!redis.empty()) {
     in.mistake("--redis " + address.error().message);
   }
   settings.grpc_address = in.text("grpc-address", "address to listen on", "127.0.0.1");
   if (!settings.tls.on()) {
-    must_not_be_plain(in, "grpc-address", settings.grpc_address, settings.tls);
+    wire::check_address(in, "grpc-address", settings.grpc_address, settings.tls);
   }
   settings.grpc_port = in.port("grpc-port", "gRPC, for the gateway");
   settings.advertise = in.text("advertise", "host:port at which the gateway finds this worker");
@@ -245,7 +234,8 @@ int run(int argc, char** argv) {
   service::StopSignal stop;
 
   std::unique_ptr<GrpcAssistants> assistants;
-  if (!settings.assist.empty()) assistants = std::make_unique<GrpcAssistants>(settings.assist, settings.tls);
+  if (!settings.assist.empty())
+    assistants = std::make_unique<GrpcAssistants>(settings.assist, settings.tls);
   auto engine = engine_of(settings, assistants.get());
   if (!engine) {
     std::fprintf(stderr, "--engine: %s\n", engine.error().message.c_str());

@@ -34,7 +34,8 @@ class Client {
     wire::InnerTls tls{};  ///< of a rediss address, and whether another may be plain
   };
 
-  /// kInvalid for an address that is none, or that must not be plain. Connects only when it is used.
+  /// kInvalid for an address that is none, or that must not be plain. Connects only when it is
+  /// used.
   static Result<std::unique_ptr<Client>> create(Options options);
   ~Client();
   Client(const Client&) = delete;

@@ -174,9 +174,8 @@ Result<std::unique_ptr<Gateway>> Gateway::start(Options options, const GatewayLi
   std::string origin = origin_of(options.public_url);
   if (origin.empty()) return fail(ErrorCode::kInvalid, "must be an http address", "public-url");
   const unsigned threads = std::max(1u, options.threads);
-  auto hub =
-      std::make_shared<Hub>(limits, std::move(origin), placement, tickets, workers, registry,
-                            std::move(options.tls));
+  auto hub = std::make_shared<Hub>(limits, std::move(origin), placement, tickets, workers, registry,
+                                   std::move(options.tls));
   auto impl = std::make_unique<Impl>(std::move(hub), threads);
   if (const error_code error = impl->listen(options.address, options.port)) {
     return fail(ErrorCode::kUnavailable, "the stream port " + std::to_string(options.port) +

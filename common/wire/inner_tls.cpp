@@ -77,4 +77,14 @@ Result<void> may_be_plain(std::string_view address, const InnerTls& tls) {
                   "where the network itself is private)");
 }
 
+void check_address(ConfigReader& in, std::string_view name, std::string_view address,
+                   const InnerTls& tls) {
+  const std::string setting = "--" + std::string(name) + ": ";
+  if (address.starts_with("rediss://")) {
+    if (!tls.on()) in.mistake(setting + "rediss:// needs --inner-tls-ca and those with it");
+  } else if (const auto plain = may_be_plain(address, tls); !address.empty() && !plain) {
+    in.mistake(setting + plain.error().message);
+  }
+}
+
 }  // namespace diaphane::wire

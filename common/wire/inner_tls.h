@@ -41,4 +41,9 @@ bool is_this_machine(std::string_view address);
 /// kInvalid, and in words what to do, where `address` would be reached without TLS and must not be.
 Result<void> may_be_plain(std::string_view address, const InnerTls& tls);
 
+/// A mistake where setting `name` has an address that must not be plain, or wants TLS (rediss://)
+/// that there is none for.
+void check_address(ConfigReader& in, std::string_view name, std::string_view address,
+                   const InnerTls& tls);
+
 }  // namespace diaphane::wire

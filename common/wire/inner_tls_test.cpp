@@ -168,7 +168,8 @@ TEST(PlainAddress, IsForThisMachineAloneUnlessSomebodySaysSo) {
     EXPECT_FALSE(may_be_plain(there, {})) << there;
     EXPECT_TRUE(may_be_plain(there, {.plain_allowed = true})) << there;
   }
-  EXPECT_NE(may_be_plain("10.0.0.1:1", {}).error().message.find("--inner-plain"), std::string::npos);
+  EXPECT_NE(may_be_plain("10.0.0.1:1", {}).error().message.find("--inner-plain"),
+            std::string::npos);
 }
 
 TEST(PlainAddress, IsNoChannelToAnotherMachine) {

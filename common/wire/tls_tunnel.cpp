@@ -28,7 +28,10 @@ using Local = asio::local::stream_protocol::socket;
 class Tunnel : public std::enable_shared_from_this<Tunnel> {
  public:
   Tunnel(asio::io_context& io, const TlsFiles& files)
-      : context_(asio::ssl::context::tls_client), resolver_(io), outer_(io, use(files)), inner_(io) {}
+      : context_(asio::ssl::context::tls_client),
+        resolver_(io),
+        outer_(io, use(files)),
+        inner_(io) {}
 
   void open(const std::string& host, int port) {
     outer_.set_verify_mode(asio::ssl::verify_peer);
@@ -84,8 +87,9 @@ class Tunnel : public std::enable_shared_from_this<Tunnel> {
     Fault ignored;
     outer_.next_layer().set_option(tcp::no_delay(true), ignored);
     outer_.next_layer().set_option(asio::socket_base::keep_alive(true), ignored);
-    outer_.async_handshake(asio::ssl::stream_base::client,
-                           [self = shared_from_this()](const Fault& fault) { self->opened(fault); });
+    outer_.async_handshake(
+        asio::ssl::stream_base::client,
+        [self = shared_from_this()](const Fault& fault) { self->opened(fault); });
   }
 
   void opened(const Fault& fault) {
@@ -94,15 +98,15 @@ class Tunnel : public std::enable_shared_from_this<Tunnel> {
   }
 
   void upwards() {
-    inner_.async_read_some(
-        asio::buffer(up_), [self = shared_from_this()](const Fault& end, std::size_t bytes) {
-          if (end) return self->close();
-          asio::async_write(self->outer_, asio::buffer(self->up_.data(), bytes),
-                            [self](const Fault& broken, std::size_t) {
-                              if (broken) return self->close();
-                              self->upwards();
-                            });
-        });
+    inner_.async_read_some(asio::buffer(up_),
+                           [self = shared_from_this()](const Fault& end, std::size_t bytes) {
+                             if (end) return self->close();
+                             asio::async_write(self->outer_, asio::buffer(self->up_.data(), bytes),
+                                               [self](const Fault& broken, std::size_t) {
+                                                 if (broken) return self->close();
+                                                 self->upwards();
+                                               });
+                           });
   }
 
   void downwards() {

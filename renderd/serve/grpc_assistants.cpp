@@ -289,8 +289,8 @@ GrpcAssistants::GrpcAssistants(std::vector<std::string> addresses, const wire::I
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);
   for (std::string& address : addresses) {
     auto peer = std::make_shared<Peer>();
-    peer->stub = v1::RenderWorker::NewStub(
-        wire::open_channel(address, tls, credentials, arguments));
+    peer->stub =
+        v1::RenderWorker::NewStub(wire::open_channel(address, tls, credentials, arguments));
     peer->address = std::move(address);
     peers_.push_back(std::move(peer));
   }

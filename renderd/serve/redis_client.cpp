@@ -38,8 +38,8 @@ struct RedisClient::Impl {
   Result<void> connect() {
     if (context) return {};
     if (tunnels) {
-      const auto local = tunnels->open(address.host, address.port,
-                                       std::chrono::seconds(kConnectTimeout.tv_sec));
+      const auto local =
+          tunnels->open(address.host, address.port, std::chrono::seconds(kConnectTimeout.tv_sec));
       if (!local) {
         log::warning("redis", {{"reason", local.error().message}});
         return fail(ErrorCode::kUnavailable, "Redis does not answer.");
