@@ -11,6 +11,7 @@
 #include "common/log.h"
 #include "common/service/admin_server.h"
 #include "common/service/signals.h"
+#include "common/wire/inner_tls.h"
 #include "operator/controller.h"
 #include "operator/kube/cpprest_transport.h"
 
@@ -26,6 +27,7 @@ constexpr char kAccountDir[] = "/var/run/secrets/kubernetes.io/serviceaccount";
 struct Options {
   kube::Access access;
   std::string redis;
+  wire::InnerTls tls;
   std::string admin_address;
   std::uint16_t admin_port = 0;
   fleet::Controller::Options controller;
@@ -58,7 +60,9 @@ std::optional<int> read_options(int argc, char** argv, Options& options) {
   options.access.ca_file =
       in.text("kube-ca-file", "who signed the API server's certificate; default: as in the pod",
               options.access.ca_file);
-  options.redis = in.text("redis", "host:port");
+  options.redis = in.text("redis", "host:port, or rediss://host:port with TLS");
+  options.tls = wire::read_inner_tls(in);
+  wire::check_address(in, "redis", options.redis, options.tls);
   options.admin_address = in.text("admin-address", "of metrics and health", "127.0.0.1");
   options.admin_port = in.port("admin-port", "metrics and health");
   options.controller.name_space = options.access.name_space;
@@ -79,7 +83,8 @@ std::optional<int> read_options(int argc, char** argv, Options& options) {
 
 int serve(const Options& options) {
   service::StopSignal stop;
-  auto redis = api::redis::Client::create({.address = options.redis, .connections = 2});
+  auto redis =
+      api::redis::Client::create({.address = options.redis, .connections = 2, .tls = options.tls});
   if (!redis) {
     std::fprintf(stderr, "--redis: %s\n", redis.error().message.c_str());
     return kExitConfig;

@@ -35,6 +35,10 @@ def test_templates_set_only_settings_that_programs_read():
         read = {name.upper().replace("-", "_") for name in re.findall(r'in\.\w+\(\s*"([a-z-]+)"', text)}
         given = set(re.findall(r"name: DIAPHANE_([A-Z_]+)", (CHART / "templates" / template).read_text(encoding="utf-8")))
         assert given and given <= read, f"{template}: {given - read}"
+    shared = (REPO / "common" / "wire" / "inner_tls.cpp").read_text(encoding="utf-8")
+    read = {name.upper().replace("-", "_") for name in re.findall(r'in\.\w+\(\s*"([a-z-]+)"', shared)}
+    given = set(re.findall(r"name: DIAPHANE_([A-Z_]+)", (CHART / "templates" / "_helpers.tpl").read_text(encoding="utf-8")))
+    assert given == read
 
 
 def test_api_is_given_everything_it_cannot_do_without():

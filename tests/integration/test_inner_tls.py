@@ -10,23 +10,8 @@ from pathlib import Path
 import httpx
 import pytest
 from api_client import person
+from certificates import issue
 from stream_help import PROGRAMS, Viewer, free_port, open_session, store_ball
-
-NAMES = "subjectAltName=IP:127.0.0.1"
-
-
-def openssl(folder: Path, *words: str) -> None:
-    subprocess.run(["openssl", *words], check=True, capture_output=True, cwd=folder)
-
-
-def issue(folder: Path) -> None:
-    """ca.pem, own.pem and own.key, for 127.0.0.1; what was there is replaced."""
-    key = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes")
-    openssl(folder, "req", "-x509", *key, "-keyout", "ca.key", "-days", "2", "-subj", "/CN=test-ca", "-out", "ca.pem")
-    openssl(folder, "req", "-new", *key, "-keyout", "own.key", "-subj", "/CN=diaphane-test", "-addext", NAMES, "-out", "own.csr")
-    (folder / "own.ext").write_text(NAMES)
-    openssl(folder, "x509", "-req", "-in", "own.csr", "-CA", "ca.pem", "-CAkey", "ca.key", "-days", "2", "-extfile", "own.ext", "-out", "own.pem")
-
 
 @pytest.fixture
 def ours(stack_house) -> Path:

@@ -30,6 +30,40 @@ helm.sh/chart: {{ printf "%s-%s" (index . 0).Chart.Name (index . 0).Chart.Versio
 {{ if .Values.trial.enabled }}{{ include "diaphane.name" . }}-trial-redis:6379{{ else }}{{ required "redis.address (host:port) is missing; trial.enabled brings a small Redis along" .Values.redis.address }}{{ end -}}
 {{- end -}}
 
+{{- define "diaphane.redisUrl" -}}
+{{ if .Values.redis.tls }}rediss://{{ end }}{{ include "diaphane.redis" . }}
+{{- end -}}
+
+{{/* How a program reaches others of ours and Redis; `innerTlsMounts` and `innerTlsVolumes` go with it. */}}
+{{- define "diaphane.innerTls" -}}
+{{- if .Values.innerTls.secretName }}
+- {name: DIAPHANE_INNER_TLS_CA, value: /inner-tls/ca.crt}
+- {name: DIAPHANE_INNER_TLS_CERTIFICATE, value: /inner-tls/tls.crt}
+- {name: DIAPHANE_INNER_TLS_KEY, value: /inner-tls/tls.key}
+- {name: DIAPHANE_INNER_TLS_NAME, value: {{ .Values.innerTls.serverName | quote }}}
+{{- end }}
+{{- if .Values.innerTls.plain }}
+- {name: DIAPHANE_INNER_PLAIN, value: "1"}
+{{- end }}
+{{- end -}}
+
+{{/* The whole directory: files mounted one by one would not be renewed. */}}
+{{- define "diaphane.innerTlsMounts" -}}
+{{- if .Values.innerTls.secretName }}
+- {name: inner-tls, mountPath: /inner-tls, readOnly: true}
+{{- end }}
+{{- end -}}
+
+{{- define "diaphane.innerTlsVolumes" -}}
+{{- with .Values.innerTls.secretName }}
+- name: inner-tls
+  secret:
+    secretName: {{ . }}
+    defaultMode: 0440
+    items: [{key: ca.crt, path: ca.crt}, {key: tls.crt, path: tls.crt}, {key: tls.key, path: tls.key}]
+{{- end }}
+{{- end -}}
+
 {{- define "diaphane.redisPort" -}}
 {{ include "diaphane.redis" . | splitList ":" | last }}
 {{- end -}}
