@@ -9,8 +9,10 @@
 #include "common/service/admin_server.h"
 #include "common/service/core_files.h"
 #include "common/service/signals.h"
+#include "common/wire/inner_tls.h"
 #include "ingest/metrics.h"
 #include "ingest/pipeline/builder.h"
+#include "ingest/pipeline/checked_builder.h"
 #include "ingest/pipeline/child.h"
 #include "ingest/pipeline/cut_child.h"
 #include "ingest/pipeline/postgres_jobs.h"
@@ -30,8 +32,38 @@ struct Options {
   std::string admin_address;
   std::chrono::milliseconds lease{5000};
   ingest::SandboxBuilder::Options builder;
+  std::optional<ingest::CheckedBuilder::Options> antivirus;
   ingest::Worker::Options worker;
 };
+
+std::optional<ingest::CheckedBuilder::Options> read_antivirus(ConfigReader& in) {
+  ingest::CheckedBuilder::Options options;
+  options.clamd.address =
+      in.text("antivirus", "clamd: path of its socket, or host:port; empty: none", "");
+  options.pass_unchecked =
+      in.one_of("antivirus-away", "what is done with uploads while clamd cannot be asked",
+                {"refuse", "pass"}, "refuse") == "pass";
+  options.clamd.silence = std::chrono::seconds(in.integer(
+      "antivirus-silence-s", "clamd may be as long without an answer, seconds", 1, 3600, 30));
+  options.clamd.most_bytes =
+      static_cast<std::uint64_t>(
+          in.integer("antivirus-stream-mb",
+                     "longest stream for clamd, MiB; at most its StreamMaxLength", 1, 2048, 25))
+      << 20;
+  wire::InnerTls tls;
+  tls.plain_allowed = in.one_of("inner-plain", "1: another machine may be reached without TLS",
+                                {"0", "1"}, "0") == "1";
+  const std::string& address = options.clamd.address;
+  if (address.empty()) return std::nullopt;
+  if (!address.starts_with('/')) {
+    if (address.find(':') == std::string::npos) {
+      in.mistake("--antivirus: '" + address + "' is neither a path from / on nor host:port");
+    } else {
+      wire::check_address(in, "antivirus", address, tls);
+    }
+  }
+  return options;
+}
 
 std::optional<int> read_options(int argc, char** argv, Options& options) {
   ConfigReader in(argc, argv);
@@ -50,6 +82,7 @@ std::optional<int> read_options(int argc, char** argv, Options& options) {
   options.lease = std::chrono::milliseconds(
       in.integer("lease-ms", "how long a job is held between renewals", 500, 600000, 5000));
   options.worker.renew = options.lease * 3 / 10;
+  options.antivirus = read_antivirus(in);
   options.builder.program = "/proc/self/exe";
   return in.finish("diaphane-ingestd: makes volumes of uploaded series");
 }
@@ -82,7 +115,10 @@ int serve(const Options& options) {
   events.postgres = [&](bool there) { postgres_there = there; };
   ingest::PostgresJobs jobs(options.postgres, new_id(), options.lease);
   ingest::SandboxBuilder builder(options.builder);
-  ingest::Worker worker(options.worker, jobs, builder, std::move(events));
+  std::optional<ingest::CheckedBuilder> checked;
+  if (options.antivirus) checked.emplace(*options.antivirus, builder, metrics.antivirus());
+  ingest::Builder& first = checked ? static_cast<ingest::Builder&>(*checked) : builder;
+  ingest::Worker worker(options.worker, jobs, first, std::move(events));
   // Children end with the thread that made them (supervisor.cpp): it lives as long as the work
   // does.
   std::thread thread([&] { worker.run(); });

@@ -7,6 +7,7 @@
 namespace diaphane::ingest {
 
 struct Metrics::Impl {
+  prometheus::Registry& registry;
   prometheus::Family<prometheus::Counter>& jobs;
   prometheus::Histogram& seconds;
   prometheus::Gauge& peak;
@@ -14,7 +15,8 @@ struct Metrics::Impl {
 };
 
 Metrics::Metrics(prometheus::Registry& registry)
-    : impl_(new Impl{prometheus::BuildCounter()
+    : impl_(new Impl{registry,
+                     prometheus::BuildCounter()
                          .Name("diaphane_ingest_jobs_total")
                          .Help("Uploads dealt with, by result: ready, or why they were refused.")
                          .Register(registry),
@@ -48,6 +50,15 @@ WorkerEvents Metrics::events() {
   };
   events.queue_depth = [self](std::int64_t depth) { self->depth.Set(static_cast<double>(depth)); };
   return events;
+}
+
+std::function<void(const std::string&)> Metrics::antivirus() {
+  auto& family = prometheus::BuildCounter()
+                     .Name("diaphane_ingest_antivirus_total")
+                     .Help("Uploads by what clamd said: clean, infected, or unchecked.")
+                     .Register(impl_->registry);
+  for (const char* result : {"clean", "infected", "unchecked"}) family.Add({{"result", result}});
+  return [&family](const std::string& result) { family.Add({{"result", result}}).Increment(); };
 }
 
 }  // namespace diaphane::ingest

@@ -40,6 +40,10 @@ def install(names: list[str]) -> None:
             _apt("install", "--no-install-recommends", *names)
 
 
+def update() -> None:
+    _apt("update")
+
+
 def _dpkg_query(names: list[str]) -> str:
     command = ["dpkg-query", "-W", "-f", "${Package} ${Status}\\n", *names]
     return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout

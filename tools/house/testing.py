@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable
 
-from . import build, fuzz, gpu, install, kubernetes, paths
+from . import build, clamav, fuzz, gpu, install, kubernetes, paths
 from .says import HouseError, say, step, warn
 
 
@@ -91,6 +91,8 @@ def _prepare(kind: str | None, may_install: bool) -> None:
     # On a machine that has a GPU and nothing else, the renderer's tests are brought along (DIAPHANE_BUILD).
     if kind != "gpu" or "DIAPHANE_BUILD" not in os.environ:
         install.ensure("test", may_install)
+    if kind in (None, "integration"):
+        clamav.ensure(may_install)
 
 
 def _build(kind: str | None) -> None:

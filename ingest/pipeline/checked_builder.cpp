@@ -1,0 +1,48 @@
+#include "ingest/pipeline/checked_builder.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "common/log.h"
+
+namespace diaphane::ingest {
+namespace {
+
+Build refusal(const char* code, const char* words) {
+  Build build;
+  build.verdict = refused(code, words);
+  return build;
+}
+
+}  // namespace
+
+Result<Build> CheckedBuilder::build(const std::string& upload_path, const GoOn& go_on) {
+  const int input = open(upload_path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (input < 0) return inner_.build(upload_path, go_on);  // it knows what to say
+  const auto found = clamd_.look_at(input, go_on);
+  close(input);
+  if (!found) {
+    tell_("unchecked");
+    log::error("malware_not_looked_for", {{"reason", found.error().message},
+                                          {"effect", pass_unchecked_ ? "passed" : "refused"}});
+    if (pass_unchecked_) return inner_.build(upload_path, go_on);
+    return refusal("not_checked",
+                   "Uploads are checked for viruses, and the check does not work at the moment. "
+                   "Nothing was kept; please send it again later.");
+  }
+  if (*found == Clamd::Found::kStopped) {
+    Build stopped;
+    stopped.stopped = true;
+    return stopped;
+  }
+  if (*found == Clamd::Found::kInfected) {
+    tell_("infected");
+    return refusal("infected",
+                   "The check for viruses found harmful software in this upload. Nothing of it was "
+                   "kept.");
+  }
+  tell_("clean");
+  return inner_.build(upload_path, go_on);
+}
+
+}  // namespace diaphane::ingest

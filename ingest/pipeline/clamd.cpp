@@ -1,0 +1,252 @@
+#include "ingest/pipeline/clamd.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netdb.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+namespace diaphane::ingest {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr std::size_t kBlock = 512;
+constexpr milliseconds kStep{100};
+
+/// A number of a tar header in octal digits.
+std::optional<std::uint64_t> octal(std::span<const char> field) {
+  std::uint64_t value = 0;
+  bool any = false;
+  for (const char c : field) {
+    if (c == ' ' && !any) continue;
+    if (c == ' ' || c == '\0') break;
+    if (c < '0' || c > '7') return std::nullopt;
+    value = value * 8 + static_cast<std::uint64_t>(c - '0');
+    any = true;
+  }
+  if (!any) return std::nullopt;
+  return value;
+}
+
+/// How long the content is, if this is a header at all (POSIX.1-2001, ustar).
+std::optional<std::uint64_t> content_bytes(std::span<const char> header) {
+  if (header.size() != kBlock) return std::nullopt;
+  const auto sum_field = header.subspan(148, 8);
+  const auto byte = [](std::uint64_t sum, char c) { return sum + static_cast<unsigned char>(c); };
+  std::uint64_t sum = std::accumulate(header.begin(), header.end(), std::uint64_t{0}, byte);
+  sum -= std::accumulate(sum_field.begin(), sum_field.end(), std::uint64_t{0}, byte);
+  sum += sum_field.size() * std::uint64_t{' '};
+  if (octal(sum_field) != sum) return std::nullopt;
+  return octal(header.subspan(124, 12));
+}
+
+class Socket {
+ public:
+  explicit Socket(int fd) : fd_(fd) {}
+  Socket(Socket&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+  Socket& operator=(Socket&&) = delete;
+  ~Socket() {
+    if (fd_ >= 0) close(fd_);
+  }
+  int get() const { return fd_; }
+  explicit operator bool() const { return fd_ >= 0; }
+
+ private:
+  int fd_;
+};
+
+Socket connect_to_path(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof address.sun_path) {
+    errno = ENAMETOOLONG;
+    return Socket(-1);
+  }
+  std::memcpy(address.sun_path, path.data(), path.size());
+  Socket made(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (made && connect(made.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    return Socket(-1);
+  return made;
+}
+
+Socket connect_to_host(const std::string& host, const std::string& port) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (getaddrinfo(host.c_str(), port.c_str(), &hints, &found) != 0) {
+    errno = EHOSTUNREACH;
+    return Socket(-1);
+  }
+  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> held(found, freeaddrinfo);
+  Socket made(socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (made && connect(made.get(), found->ai_addr, found->ai_addrlen) != 0 && errno != EINPROGRESS)
+    return Socket(-1);
+  return made;
+}
+
+Socket connect_to(const std::string& address) {
+  const std::size_t colon = address.rfind(':');
+  if (address.starts_with('/') || colon == std::string::npos) return connect_to_path(address);
+  return connect_to_host(address.substr(0, colon), address.substr(colon + 1));
+}
+
+enum class Step { kDone, kStopped, kSilent, kBroken };
+
+/// One conversation with clamd.
+class Talk {
+ public:
+  Talk(Socket socket, milliseconds silence, const Clamd::GoOn& go_on)
+      : socket_(std::move(socket)), silence_(silence), go_on_(go_on) {}
+
+  Step send(std::string_view data) {
+    while (!data.empty()) {
+      const ssize_t sent = ::send(socket_.get(), data.data(), data.size(), MSG_NOSIGNAL);
+      if (sent > 0) {
+        heard_ = Clock::now();
+        data.remove_prefix(static_cast<std::size_t>(sent));
+        continue;
+      }
+      // A TCP connection that is not there yet says ENOTCONN or EAGAIN until it can be written to.
+      if (errno != EAGAIN && errno != EINTR && errno != ENOTCONN) return Step::kBroken;
+      if (const Step waited = wait_for(POLLOUT); waited != Step::kDone) return waited;
+    }
+    return Step::kDone;
+  }
+
+  /// Up to the zero that ends it.
+  Step receive(std::string& answer) {
+    constexpr std::size_t kLongest = 4096;
+    std::array<char, 512> some{};
+    while (answer.empty() || answer.back() != '\0') {
+      const ssize_t got = recv(socket_.get(), some.data(), some.size(), 0);
+      if (got > 0) {
+        heard_ = Clock::now();
+        answer.append(some.data(), static_cast<std::size_t>(got));
+        if (answer.size() > kLongest) return Step::kBroken;
+        continue;
+      }
+      if (got == 0 || (errno != EAGAIN && errno != EINTR)) return Step::kBroken;
+      if (const Step waited = wait_for(POLLIN); waited != Step::kDone) return waited;
+    }
+    answer.pop_back();
+    return Step::kDone;
+  }
+
+ private:
+  Step wait_for(short what) {
+    for (;;) {
+      pollfd one{socket_.get(), what, 0};
+      if (poll(&one, 1, static_cast<int>(kStep.count())) > 0) return Step::kDone;
+      if (!go_on_()) return Step::kStopped;
+      if (Clock::now() - heard_ > silence_) return Step::kSilent;
+    }
+  }
+
+  Socket socket_;
+  const milliseconds silence_;
+  const Clamd::GoOn& go_on_;
+  Clock::time_point heard_ = Clock::now();
+};
+
+std::string length_word(std::uint32_t bytes) {
+  const std::uint32_t big_endian = htonl(bytes);
+  std::string word(sizeof big_endian, '\0');
+  std::memcpy(word.data(), &big_endian, sizeof big_endian);
+  return word;
+}
+
+/// INSTREAM of `piece`. kBroken also where clamd ends the stream early: then its answer is there.
+Step stream(Talk& talk, int fd, const Piece& piece, std::string& buffer) {
+  constexpr std::string_view kCommand("zINSTREAM\0", 10);
+  Step step = talk.send(kCommand);
+  for (std::uint64_t at = 0; step == Step::kDone && at < piece.bytes;) {
+    const auto part = std::min<std::uint64_t>(piece.bytes - at, 1 << 18);
+    buffer = length_word(static_cast<std::uint32_t>(part));
+    buffer.resize(buffer.size() + part);
+    const ssize_t got = pread(fd, buffer.data() + 4, part, static_cast<off_t>(piece.offset + at));
+    if (got != static_cast<ssize_t>(part)) return Step::kBroken;
+    step = talk.send(buffer);
+    at += part;
+  }
+  return step == Step::kDone ? talk.send(length_word(0)) : step;
+}
+
+std::string words_of(int error) { return std::string("clamd: ") + std::strerror(error); }
+
+}  // namespace
+
+Piece piece_at(std::uint64_t at, std::span<const char> header, std::uint64_t end) {
+  const auto bytes = content_bytes(header);
+  const std::uint64_t begin = at + kBlock;
+  if (!bytes || begin > end || *bytes > end - begin) return {at, end - at, end};
+  const std::uint64_t padded = (*bytes + kBlock - 1) / kBlock * kBlock;
+  return {begin, *bytes, begin + std::min(padded, end - begin)};
+}
+
+Result<Clamd::Found> Clamd::look_at(int fd, const GoOn& go_on) const {
+  struct stat info {};
+  if (fstat(fd, &info) != 0) return fail(ErrorCode::kInternal, "the upload cannot be read");
+  const auto end = static_cast<std::uint64_t>(info.st_size);
+  std::array<char, kBlock> header{};
+  for (std::uint64_t at = 0; at < end;) {
+    const ssize_t got = pread(fd, header.data(), header.size(), static_cast<off_t>(at));
+    if (got <= 0) return fail(ErrorCode::kInternal, "the upload cannot be read");
+    const Piece piece = piece_at(at, {header.data(), static_cast<std::size_t>(got)}, end);
+    for (std::uint64_t done = 0; done < piece.bytes;) {
+      const std::uint64_t bytes = std::min(piece.bytes - done, options_.most_bytes);
+      auto found = look_at(fd, {piece.offset + done, bytes, 0}, go_on);
+      if (!found || *found != Found::kClean) return found;
+      done += bytes;
+      if (done < piece.bytes) done -= std::min(kOverlap, bytes / 2);
+    }
+    at = piece.next;
+  }
+  return Found::kClean;
+}
+
+Result<Clamd::Found> Clamd::look_at(int fd, const Piece& piece, const GoOn& go_on) const {
+  std::string buffer;
+  // It may be starting, or reading new signatures.
+  for (const auto until = Clock::now() + options_.silence;;) {
+    if (!go_on()) return Found::kStopped;
+    std::string why;
+    if (Socket socket = connect_to(options_.address)) {
+      Talk talk(std::move(socket), options_.silence, go_on);
+      Step step = stream(talk, fd, piece, buffer);
+      std::string answer;
+      if (step == Step::kDone || step == Step::kBroken) step = talk.receive(answer);
+      if (step == Step::kStopped) return Found::kStopped;
+      if (step == Step::kSilent) return fail(ErrorCode::kUnavailable, "clamd does not answer");
+      if (step == Step::kDone) {
+        if (answer == "stream: OK") return Found::kClean;
+        if (answer.ends_with(" FOUND")) return Found::kInfected;
+        return fail(ErrorCode::kUnavailable, "clamd: " + answer);
+      }
+      why = "clamd ended the connection";
+    } else {
+      why = words_of(errno);
+    }
+    if (Clock::now() >= until) return fail(ErrorCode::kUnavailable, why);
+    std::this_thread::sleep_for(kStep);
+  }
+}
+
+}  // namespace diaphane::ingest

@@ -1,0 +1,122 @@
+"""Uploads are shown to ClamAV before anything of ours reads them. The daemon is the real one, with one signature: that of EICAR's test file."""
+
+from __future__ import annotations
+
+import io
+import socket
+import subprocess
+import tarfile
+import time
+
+import httpx
+import pytest
+from hostile.canary_scan import CanaryScan
+from ingest_help import enqueue, nothing_left, volume_path, wait_end
+
+from canaries import Search
+from house import clamav
+
+PROGRAMS = ("postgres", "redis", "api", "ingestd")
+# In two parts, so that no scanner takes this file for one.
+EICAR = rb"X5O!P%@AP[4\PZX54(P^)7CC)7}$" + b"EICAR-STANDARD-ANTIVIRUS-TEST-FILE!$H+H*"
+
+
+class Daemon:
+    """clamd, by an ordinary user, in a folder of its own."""
+
+    def __init__(self, house):
+        if not clamav.CLAMD.exists():
+            pytest.fail(f"{clamav.CLAMD} is not there; ./diaphane test fetches it")
+        self.house, self.folder = house, house.folder()
+        self.path = self.folder / "s"
+        (self.folder / "test.ndb").write_text(f"Eicar-Test:0:*:{EICAR.hex()}\n")
+        (self.folder / "clamd.conf").write_text(f"LocalSocket {self.path}\nDatabaseDirectory {self.folder}\nTemporaryDirectory {self.folder}\n"
+                                                "Foreground yes\nFixStaleSocket yes\n")
+        for file in self.folder.iterdir():
+            house.run_as.own(file)
+
+    def start(self) -> None:
+        self.path.unlink(missing_ok=True)
+        self.process = subprocess.Popen([str(clamav.CLAMD), "-c", str(self.folder / "clamd.conf")], env=clamav.environment(), stdout=subprocess.DEVNULL,
+                                        **self.house.run_as.popen())
+        for _ in range(600):
+            with socket.socket(socket.AF_UNIX) as one:
+                if one.connect_ex(str(self.path)) == 0:
+                    return
+            time.sleep(0.1)
+        pytest.fail("clamd does not listen")
+
+    def kill(self) -> None:
+        self.process.kill()
+        self.process.wait()
+
+
+@pytest.fixture
+def daemon(stack_house):
+    one = Daemon(stack_house)
+    one.start()
+    yield one
+    one.kill()
+
+
+def metric(stack, result: str) -> float:
+    text = httpx.get(f"http://127.0.0.1:{stack.ports['ingestd-admin']}/metrics").text
+    return next(float(line.split()[-1]) for line in text.splitlines() if line.startswith(f'diaphane_ingest_antivirus_total{{result="{result}"}}'))
+
+
+def with_file(upload: bytes, data: bytes) -> bytes:
+    """The same upload, with one file more at its end."""
+    out = io.BytesIO()
+    with tarfile.open(fileobj=io.BytesIO(upload)) as old, tarfile.open(fileobj=out, mode="w", format=tarfile.USTAR_FORMAT) as new:
+        for entry in old.getmembers():
+            new.addfile(entry, old.extractfile(entry))
+        entry = tarfile.TarInfo("99999.dcm")
+        entry.size = len(data)
+        new.addfile(entry, io.BytesIO(data))
+    return out.getvalue()
+
+
+def test_what_is_infected_is_refused_and_what_is_not_looked_at_too(stack_factory, daemon):
+    stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_ANTIVIRUS": str(daemon.path), "DIAPHANE_ANTIVIRUS_SILENCE_S": "5"})
+    clean = CanaryScan().upload()
+    assert wait_end(stack, enqueue(stack, clean))[0] == "ready"
+    assert metric(stack, "clean") == 1
+
+    scan = CanaryScan()
+    good = scan.upload()
+    # A file that is nothing else; in the middle of a slice; behind what ends a tar.
+    for infected in (with_file(good, EICAR), good.replace(b"SV10", b"SV10" + EICAR, 1), good + bytes(1024) + EICAR):
+        data_set = enqueue(stack, infected)
+        ended, code, words = wait_end(stack, data_set)
+        assert (ended, code) == ("refused", "infected") and "harmful" in words and "Nothing of it was kept" in words
+        nothing_left(stack, data_set)
+        assert not volume_path(stack, data_set).exists()
+    assert metric(stack, "infected") == 3
+    assert Search([*scan.all_words(), "EICAR-STANDARD"]).in_stack(stack) == []
+    assert list(daemon.folder.rglob("clamav-*")) == [], "clamd's own temporary files"
+
+    daemon.kill()
+    data_set = enqueue(stack, good)
+    ended, code, words = wait_end(stack, data_set)
+    assert (ended, code) == ("refused", "not_checked") and "send it again later" in words
+    nothing_left(stack, data_set)
+    assert metric(stack, "unchecked") == 1 and '"event":"malware_not_looked_for"' in stack.log("ingestd")
+    daemon.start()
+    assert wait_end(stack, enqueue(stack, clean))[0] == "ready"
+
+
+def test_where_it_is_said_so_what_cannot_be_looked_at_passes(stack_factory, tmp_path):
+    stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_ANTIVIRUS": str(tmp_path / "nobody"), "DIAPHANE_ANTIVIRUS_AWAY": "pass",
+                                                    "DIAPHANE_ANTIVIRUS_SILENCE_S": "1"})
+    assert wait_end(stack, enqueue(stack, CanaryScan().upload()))[0] == "ready"
+    assert metric(stack, "unchecked") == 1 and metric(stack, "clean") == 0
+
+
+@pytest.mark.parametrize(("address", "words"), [("clamd", "neither a path"), ("10.0.0.1:3310", "there is no TLS to it")])
+def test_addresses_that_make_no_sense_are_refused(stack_house, address, words):
+    def said(*more: str) -> str:
+        return subprocess.run([str(stack_house.layout().bin / "diaphane-ingestd"), "--antivirus", address, *more], capture_output=True, text=True, env={},
+                              timeout=60).stderr
+
+    assert words in said()
+    assert ("TLS" in words) is (words not in said("--inner-plain", "1"))
