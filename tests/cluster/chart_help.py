@@ -11,7 +11,9 @@ from house import paths
 
 CHART = paths.REPO / "helm" / "diaphane"
 SECRET = {"postgres": "postgresql://diaphane:x@postgres:5432/diaphane", "mail": "smtp://mail:25", "factor-key": "0" * 64, "postgres-password": "x"}
-BASE = {"publicUrl": "https://scans.example.org", "existingSecret": "diaphane", "redis": {"address": "redis.stores:6379"}}
+BASE = {"publicUrl": "https://scans.example.org", "existingSecret": "diaphane", "redis": {"address": "redis.stores:6379"},
+        "innerTls": {"plain": True}}
+INNER_TLS = {"redis": {"tls": True}, "innerTls": {"plain": False, "secretName": "inner"}}
 #: Each brings templates in, or takes them out, or fills in what is empty by itself.
 CHOICES = {
     "base": {},
@@ -20,7 +22,8 @@ CHOICES = {
         "image": {"repository": "registry.example.org/x/diaphane", "digest": "sha256:" + "a" * 64, "pullSecrets": ["pull"]},
         "api": {"replicas": 3, "extraEnv": {"DIAPHANE_SAMPLE_TOKEN": "/secrets/token"}, "nodeSelector": {"pool": "web"}, "tolerations": [{"operator": "Exists"}]},
         "edge": {"trustedProxies": ["10.0.0.0/8"]},
-        "ingest": {"replicas": 2, "nodeSelector": {"pool": "ingest"}, "tolerations": [{"key": "ingest", "operator": "Exists"}]},
+        "redis": {"tls": True}, "innerTls": {"plain": True, "secretName": "inner"},
+        "ingest": {"replicas": 2, "antivirus": {"address": "clamd.security:3310"}, "nodeSelector": {"pool": "ingest"}, "tolerations": [{"key": "ingest", "operator": "Exists"}]},
         "operator": {"watchAllPods": True},
         "fleet": {"replicas": 2, "maxReplicas": 8, "scaleToZeroAfter": "30m", "nodeSelector": {"gpu": "yes"}, "strategy": "Packed",
                   "volumeCopies": {"sizeMb": 2048, "storageClassName": "local"}},

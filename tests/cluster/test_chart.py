@@ -9,7 +9,8 @@ import subprocess
 
 import pytest
 import yaml
-from chart_help import CHART, CHOICES, SECRET, pod_specs, rendered, values_file
+from certificates import issue
+from chart_help import CHART, CHOICES, INNER_TLS, SECRET, pod_specs, rendered, values_file
 from conftest import wait_for
 
 
@@ -35,6 +36,11 @@ def test_lint_finds_nothing(plane, tmp_path):
     ({"redis": {"address": "redis"}}, "redis"),
     ({"redis": {"address": ""}}, "redis.address (host:port) is missing"),
     ({"trial": {"enabled": True}}, "one of them"),
+    ({"innerTls": {"plain": False}}, "or say innerTls.plain=true"),
+    ({"innerTls": {"plain": False, "secretName": "inner"}}, "redis.tls=false: Redis would be reached without TLS"),
+    ({**INNER_TLS, "ingest": {"antivirus": {"address": "clamd:3310"}}}, "clamd speaks no TLS"),
+    ({"redis": {"tls": True}}, "redis.tls needs innerTls.secretName"),
+    ({"trial": {"enabled": True}, "redis": {"address": "", "tls": True}, "innerTls": {"secretName": "inner"}}, "redis.tls and trial.enabled"),
     ({"postgres": {"password": "x"}}, "postgres"),
     ({"image": {"digest": "latest"}}, "digest"),
     ({"api": {"replicas": 0}}, "replicas"),
@@ -103,6 +109,7 @@ def test_pods_are_as_they_should_be(plane, tmp_path, choice):
             assert not inside, f"{name}: a secret by its value: {inside}"
 
 
+<<<<<<< HEAD
 @pytest.mark.parametrize("given, wanted", [
     ({}, {"emptyDir": {"sizeLimit": "10752Mi"}}),
     ({"sizeMb": 0}, None),
@@ -117,6 +124,35 @@ def test_copies_of_volumes_lie_where_the_values_say(plane, tmp_path, given, want
     env = {one["name"]: one.get("value") for one in spec["containers"][0]["env"]}
     assert env.get("DIAPHANE_VOLUME_COPIES_DIR") == (wanted and "/copies/volumes")
     assert any(one["mountPath"] == "/copies" for one in spec["containers"][0]["volumeMounts"]) is (wanted is not None)
+=======
+TALKERS = {"api": "Deployment/it-diaphane-api", "renderd": "RenderFleet/it-diaphane", "operator": "Deployment/it-diaphane-operator"}
+
+
+@pytest.mark.parametrize("choice", ["tls", "plain", "nothing"])
+@pytest.mark.parametrize("program", TALKERS)
+def test_the_programs_take_what_pods_are_told_of_tls(plane, tmp_path, stack_house, program, choice):
+    """The program itself reads the pod's settings; none is complained of but the one that is left out, so that it ends."""
+    issue(tmp_path, ca="ca.crt", certificate="tls.crt", key="tls.key", names="DNS:renderd.diaphane")
+    objects = pod_specs(rendered(plane, tmp_path, INNER_TLS if choice == "tls" else {}))
+    assert not [name for name, spec in objects if "inner-tls" in json.dumps(spec) and name not in TALKERS.values()]
+    spec = dict(objects)[TALKERS[program]]
+    container = spec["containers"][0]
+    environment = {one["name"]: one["value"] for one in container["env"] if one["name"] not in ("DIAPHANE_ADMIN_PORT", "DIAPHANE_INNER_PLAIN" * (choice == "nothing"))
+                   and "value" in one}
+    if choice == "tls":
+        assert {"name": "inner-tls", "mountPath": "/inner-tls", "readOnly": True} in container["volumeMounts"]
+        secret = next(one for one in spec["volumes"] if one["name"] == "inner-tls")["secret"]
+        assert secret["secretName"] == "inner" and secret["defaultMode"] & 0o007 == 0
+        paths = {name: value for name, value in environment.items() if value.startswith("/inner-tls/")}
+        assert sorted(paths.values()) == sorted("/inner-tls/" + one["path"] for one in secret["items"])
+        for name, value in paths.items():
+            environment[name] = str(tmp_path / value.removeprefix("/inner-tls/"))
+        assert environment["DIAPHANE_REDIS"] == "rediss://redis.stores:6379" and "DIAPHANE_INNER_PLAIN" not in environment
+    said = subprocess.run([str(stack_house.layout().bin / f"diaphane-{program}")], env=environment, capture_output=True, text=True, timeout=60)
+    assert said.returncode == 78 and "admin-port" in said.stderr, said.stderr
+    complaints = [line for line in said.stderr.splitlines() if "TLS" in line or "tls" in line]
+    assert bool(complaints) is (choice == "nothing"), said.stderr
+>>>>>>> 0e648d2 (chart: uploads shown to clamd, TLS told in docs; tests: picture time ends at rest in the browser too)
 
 
 def test_with_a_digest_the_tag_decides_nothing(plane, tmp_path):
@@ -153,6 +189,9 @@ def test_nobody_talks_to_more_than_he_needs(plane, tmp_path):
         return sorted(port["port"] for rule in policies[name]["egress"] for port in rule["ports"])
 
     assert set(policies["nothing"]) == {"podSelector", "policyTypes"}
+    looked_at = rendered(plane, tmp_path, {"ingest": {"antivirus": {"address": "clamd.security:3311"}}})
+    talks = next(one["spec"]["egress"] for one in looked_at if one["kind"] == "NetworkPolicy" and one["metadata"]["name"].endswith("-ingest"))
+    assert sorted(port["port"] for rule in talks for port in rule["ports"]) == [53, 53, 3311, 5432]
     assert out("ingest") == [53, 53, 5432] and out("migrate") == [53, 53, 5432] and out("renderd") == [53, 53, 6379]
     assert out("operator") == [53, 53, 443, 6379, 6443] and out("api") == [25, 53, 53, 465, 587, 5432, 6379, 8085]
     grpc = [rule for rule in policies["renderd"]["ingress"] if rule["ports"] == [{"port": "grpc"}]]
