@@ -109,7 +109,6 @@ def test_pods_are_as_they_should_be(plane, tmp_path, choice):
             assert not inside, f"{name}: a secret by its value: {inside}"
 
 
-<<<<<<< HEAD
 @pytest.mark.parametrize("given, wanted", [
     ({}, {"emptyDir": {"sizeLimit": "10752Mi"}}),
     ({"sizeMb": 0}, None),
@@ -124,7 +123,8 @@ def test_copies_of_volumes_lie_where_the_values_say(plane, tmp_path, given, want
     env = {one["name"]: one.get("value") for one in spec["containers"][0]["env"]}
     assert env.get("DIAPHANE_VOLUME_COPIES_DIR") == (wanted and "/copies/volumes")
     assert any(one["mountPath"] == "/copies" for one in spec["containers"][0]["volumeMounts"]) is (wanted is not None)
-=======
+
+
 TALKERS = {"api": "Deployment/it-diaphane-api", "renderd": "RenderFleet/it-diaphane", "operator": "Deployment/it-diaphane-operator"}
 
 
@@ -152,7 +152,6 @@ def test_the_programs_take_what_pods_are_told_of_tls(plane, tmp_path, stack_hous
     assert said.returncode == 78 and "admin-port" in said.stderr, said.stderr
     complaints = [line for line in said.stderr.splitlines() if "TLS" in line or "tls" in line]
     assert bool(complaints) is (choice == "nothing"), said.stderr
->>>>>>> 0e648d2 (chart: uploads shown to clamd, TLS told in docs; tests: picture time ends at rest in the browser too)
 
 
 def test_with_a_digest_the_tag_decides_nothing(plane, tmp_path):
