@@ -19,6 +19,9 @@ constexpr milliseconds kGather{10};
 /// Of the time, planning takes this part at most.
 constexpr int kPlanningShare = 5;
 constexpr unsigned kWriters = 4;
+/// So long a plan is carried out. What is left is planned anew, after what has become urgent since:
+/// thousands of workers that are to be made hold up nobody.
+constexpr milliseconds kBatch{1000};
 
 Seconds wall() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -59,18 +62,13 @@ Controller::Controller(Options options, kube::Transport& transport, api::redis::
   kube::Leader::Options leader = options_.leader;
   leader.won = [this] { changed(); };
   leader_ = std::make_unique<kube::Leader>(std::move(leader), api_);
-  telemetry_ = std::thread([this] { run_telemetry(); });
-  planner_ = std::thread([this] { run_plans(); });
+  telemetry_ = std::jthread([this](const std::stop_token& stop) { run_telemetry(stop); });
+  planner_ = std::jthread([this](const std::stop_token& stop) { run_plans(stop); });
 }
 
 Controller::~Controller() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
-  wake_.notify_all();
-  planner_.join();
-  telemetry_.join();
+  planner_ = {};
+  telemetry_ = {};
   leader_.reset();
   // The watches wait for bytes: they end with the wire.
   transport_.stop();
@@ -102,13 +100,12 @@ void Controller::changed() {
   wake_.notify_all();
 }
 
-bool Controller::wait_for_change(nanoseconds least, nanoseconds most) {
+bool Controller::wait_for_change(const std::stop_token& stop, nanoseconds least, nanoseconds most) {
   std::unique_lock lock(mutex_);
-  wake_.wait_for(lock, least, [this] { return stopping_; });
-  wake_.wait_for(lock, std::max(nanoseconds(0), most - least),
-                 [this] { return stopping_ || changed_; });
+  wake_.wait_for(lock, stop, least, [] { return false; });
+  wake_.wait_for(lock, stop, std::max(nanoseconds(0), most - least), [this] { return changed_; });
   changed_ = false;
-  return !stopping_;
+  return !stop.stop_requested();
 }
 
 Snapshot Controller::observe() const {
@@ -116,10 +113,10 @@ Snapshot Controller::observe() const {
                      nodes_->store().all(), wall());
 }
 
-void Controller::run_plans() {
+void Controller::run_plans(const std::stop_token& stop) {
   nanoseconds next = kTelemetry;
   nanoseconds least = kGather;
-  while (wait_for_change(least, next)) {
+  while (wait_for_change(stop, least, next)) {
     report();
     next = kTelemetry;
     if (!listed() || !leader_->leads()) continue;
@@ -152,20 +149,21 @@ void Controller::carry_out_all(const Plan& made, const Snapshot& seen) {
     auto due = steady_clock::now();
     for (const Action& action : made.actions) {
       auto& actions = todo_[key_of(action)];
-      if (actions.empty()) queue_.add(key_of(action), due);
+      if (actions.empty()) queue_.put(key_of(action), due);
       actions.push_back(&action);
       due += nanoseconds(1);  // the plan's order
     }
   }
-  if (made.actions.empty()) return work(seen);
+  const auto until = steady_clock::now() + kBatch;
+  if (made.actions.empty()) return work(seen, until);
   const auto count = std::min<std::size_t>(kWriters, made.actions.size());
   std::vector<std::jthread> writers;
-  for (std::size_t i = 1; i < count; ++i) writers.emplace_back([&] { work(seen); });
-  work(seen);
+  for (std::size_t i = 1; i < count; ++i) writers.emplace_back([&] { work(seen, until); });
+  work(seen, until);
 }
 
-void Controller::work(const Snapshot& seen) {
-  for (;;) {
+void Controller::work(const Snapshot& seen, steady_clock::time_point until) {
+  while (steady_clock::now() < until) {
     std::string key;
     std::vector<const Action*> actions;
     {
@@ -215,11 +213,12 @@ std::vector<Draining> Controller::draining(const Snapshot& seen) const {
   return told;
 }
 
-void Controller::run_telemetry() {
+void Controller::run_telemetry(const std::stop_token& stop) {
   for (;;) {
     {
       std::unique_lock lock(mutex_);
-      if (wake_.wait_for(lock, kTelemetry, [this] { return stopping_; })) return;
+      wake_.wait_for(lock, stop, kTelemetry, [] { return false; });
+      if (stop.stop_requested()) return;
     }
     if (!listed()) {
       redis_answers_ = redis_.answers(milliseconds(500));

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
@@ -42,14 +43,14 @@ class Controller {
 
  private:
   void changed();
-  void run_plans();
-  void plan_once();
+  void run_plans(const std::stop_token& stop);
   void carry_out_all(const Plan& plan, const Snapshot& seen);
-  void work(const Snapshot& seen);
-  void run_telemetry();
+  void work(const Snapshot& seen, std::chrono::steady_clock::time_point until);
+  void run_telemetry(const std::stop_token& stop);
   Snapshot observe() const;
   std::vector<Draining> draining(const Snapshot& seen) const;
-  bool wait_for_change(std::chrono::nanoseconds least, std::chrono::nanoseconds most);
+  bool wait_for_change(const std::stop_token& stop, std::chrono::nanoseconds least,
+                       std::chrono::nanoseconds most);
   kube::Reflector::Options watched(const std::string& path, const char* kind) const;
   void report();
 
@@ -63,9 +64,8 @@ class Controller {
   std::atomic<bool> redis_answers_{false};
 
   std::mutex mutex_;
-  std::condition_variable wake_;
+  std::condition_variable_any wake_;
   bool changed_ = true;
-  bool stopping_ = false;
 
   // Actions of the plan that is carried out, by object.
   std::mutex work_mutex_;
@@ -79,7 +79,7 @@ class Controller {
   std::unique_ptr<kube::Informer<PodObject>> pods_;
   std::unique_ptr<kube::Informer<NodeObject>> nodes_;
   std::unique_ptr<kube::Leader> leader_;
-  std::thread planner_, telemetry_;
+  std::jthread planner_, telemetry_;
 };
 
 }  // namespace diaphane::fleet

@@ -18,10 +18,11 @@ Metrics::Metrics(prometheus::Registry& registry)
                  .Help("1: this operator holds the lease.")
                  .Register(registry)
                  .Add({})),
-      watches_(prometheus::BuildGauge()
-                   .Name("diaphane_operator_watch_count")
-                   .Help("Lists, watches, events, failures and expired watches since the start.")
-                   .Register(registry)) {}
+      watches_(
+          prometheus::BuildGauge()
+              .Name("diaphane_operator_watch_count")
+              .Help("Lists, watches, events, failures, expired and silent watches since the start.")
+              .Register(registry)) {}
 
 void Metrics::watch(const std::string& kind, const kube::Reflector::Counts& counts) {
   const auto set = [&](const char* what, std::uint64_t value) {
@@ -32,6 +33,7 @@ void Metrics::watch(const std::string& kind, const kube::Reflector::Counts& coun
   set("events", counts.events);
   set("failures", counts.failures);
   set("expired", counts.expired);
+  set("silent", counts.silent);
 }
 
 }  // namespace diaphane::fleet

@@ -120,7 +120,13 @@ Result<void> Carrier::created(Kind kind, const std::string& name, const Result<J
                               Turn& turn) {
   if (!answer && answer.error().field == "AlreadyExists") {
     // Made by an operator before us, or by us without hearing of it: what it is decides.
-    if (const auto there = api_.get(path(kind, name))) options_.wrote(kind, *there);
+    const auto there = api_.get(path(kind, name));
+    if (there) {
+      options_.wrote(kind, *there);
+    } else {
+      log::warning("not_read_again",
+                   {{"object", key(kind, name)}, {"message", there.error().message}});
+    }
   }
   return wrote(kind, answer, turn);
 }

@@ -22,18 +22,8 @@ Events::Events(kube::Api& api, std::string name_space)
     : api_(api),
       path_("/api/v1/namespaces/" + name_space + "/events"),
       name_space_(std::move(name_space)),
-      log_(random_hex(4)) {
-  thread_ = std::thread([this] { run(); });
-}
-
-Events::~Events() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
-}
+      log_(random_hex(4)),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 void Events::tell(kube::Happened what) {
   const std::lock_guard lock(mutex_);
@@ -43,11 +33,10 @@ void Events::tell(kube::Happened what) {
   changed_.notify_all();
 }
 
-void Events::run() {
+void Events::run(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  for (;;) {
-    changed_.wait(lock, [this] { return stopping_ || !waiting_.empty(); });
-    if (stopping_) return;
+  while (changed_.wait(lock, stop, [this] { return !waiting_.empty(); }) &&
+         !stop.stop_requested()) {
     const Waiting one = std::move(waiting_.front());
     waiting_.pop_front();
     lock.unlock();

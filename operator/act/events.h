@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <stop_token>
 #include <thread>
 
 #include "operator/kube/api.h"
@@ -15,9 +16,6 @@ namespace diaphane::fleet {
 class Events {
  public:
   Events(kube::Api& api, std::string name_space);
-  ~Events();
-  Events(const Events&) = delete;
-  Events& operator=(const Events&) = delete;
   void tell(kube::Happened what);
 
  private:
@@ -25,18 +23,17 @@ class Events {
     kube::Happened what;
     kube::EventLog::Write write;
   };
-  void run();
+  void run(const std::stop_token& stop);
   void write(const Waiting& one);
 
   kube::Api& api_;
   const std::string path_;
   const std::string name_space_;
   std::mutex mutex_;
-  std::condition_variable changed_;
+  std::condition_variable_any changed_;
   kube::EventLog log_;
   std::deque<Waiting> waiting_;
-  bool stopping_ = false;
-  std::thread thread_;
+  std::jthread thread_;  // last: it uses the rest
 };
 
 }  // namespace diaphane::fleet

@@ -51,6 +51,7 @@ class CpprestTransport final : public Transport {
       }
       auto body = answer.body().streambuf();
       std::array<std::uint8_t, 16384> piece{};
+      if (!bytes({})) return response;
       for (;;) {
         // What is asked for is waited for: no more than is there, and at least one byte.
         const std::size_t there = std::clamp<std::size_t>(body.in_avail(), 1, piece.size());

@@ -16,7 +16,7 @@ class FakeTransport final : public Transport {
   struct Answer {
     int status = 200;  ///< 0: the connection breaks
     std::string body;
-    bool stays_open = false;  ///< of a stream: it goes on, silently, until it is stopped
+    bool stays_open = false;  ///< of a stream: it goes on, without a byte
   };
 
   void put(Answer answer) {
@@ -30,11 +30,11 @@ class FakeTransport final : public Transport {
   }
 
   Result<Response> call(const Request& request, std::chrono::milliseconds) override {
-    return next(request, nullptr);
+    return next(request, {}, nullptr);
   }
-  Result<Response> stream(const Request& request, std::chrono::milliseconds,
+  Result<Response> stream(const Request& request, std::chrono::milliseconds silence,
                           const std::function<bool(std::string_view)>& bytes) override {
-    return next(request, &bytes);
+    return next(request, silence, &bytes);
   }
   void stop() override {
     const std::lock_guard lock(mutex_);
@@ -43,7 +43,7 @@ class FakeTransport final : public Transport {
   }
 
  private:
-  Result<Response> next(const Request& request,
+  Result<Response> next(const Request& request, std::chrono::milliseconds silence,
                         const std::function<bool(std::string_view)>* bytes) {
     std::unique_lock lock(mutex_);
     asked_.push_back(request);
@@ -52,9 +52,13 @@ class FakeTransport final : public Transport {
     const Answer answer = std::move(answers_.front());
     answers_.pop_front();
     lock.unlock();
-    if (bytes && answer.status == 200 && !(*bytes)(answer.body)) return Response{200, {}};
+    if (bytes && answer.status == 200 && !((*bytes)({}) && (*bytes)(answer.body))) {
+      return Response{200, {}};
+    }
     lock.lock();
-    if (answer.stays_open) changed_.wait(lock, [this] { return stopped_; });
+    if (answer.stays_open && !changed_.wait_for(lock, silence, [this] { return stopped_; })) {
+      return fail(ErrorCode::kUnavailable, "silent");
+    }
     if (answer.status == 0) return fail(ErrorCode::kUnavailable, "broken");
     return Response{answer.status, bytes && answer.status == 200 ? "" : answer.body};
   }

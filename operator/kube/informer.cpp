@@ -1,5 +1,8 @@
 #include "operator/kube/informer.h"
 
+#include <condition_variable>
+#include <mutex>
+
 #include "common/log.h"
 #include "operator/kube/api.h"
 #include "operator/kube/fields.h"
@@ -13,8 +16,6 @@ using std::chrono::seconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kListTimeout{30000};
-/// A watch ends by itself; what stays silent for this much longer has lost its connection.
-constexpr seconds kBeyond{30};
 /// A watch that ends sooner, without an event, is a failure: else it would be asked for in a
 /// circle.
 constexpr milliseconds kTooShort{1000};
@@ -49,31 +50,21 @@ std::string key_of(const json& object, const std::string& home) {
 std::string version_of(const json& object) { return metadata(object, "resourceVersion"); }
 
 Reflector::Reflector(Options options, Transport& transport, Sink& sink)
-    : options_(std::move(options)), transport_(transport), sink_(sink) {
-  thread_ = std::thread([this] { run(); });
-}
-
-Reflector::~Reflector() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
-}
-
-bool Reflector::wait(milliseconds time) {
-  std::unique_lock lock(mutex_);
-  return !changed_.wait_for(lock, time, [this] { return stopping_; });
-}
+    : options_(std::move(options)),
+      transport_(transport),
+      sink_(sink),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 double Reflector::random() { return std::uniform_real_distribution<double>(0, 1)(random_); }
 
-void Reflector::run() {
+void Reflector::run(const std::stop_token& stop) {
   Backoff backoff(options_.backoff);
+  std::mutex mutex;
+  std::condition_variable_any wake;
+  std::unique_lock lock(mutex);
   std::string version;
   bool known = false;
-  while (wait(milliseconds(0))) {
+  while (!stop.stop_requested()) {
     const Outcome outcome = known ? watch(version) : list(version);
     if (outcome == Outcome::kGoOn) {
       known = true;
@@ -85,7 +76,7 @@ void Reflector::run() {
       known = false;
     }
     ++counts_.failures;
-    if (!wait(backoff.next(steady_clock::now(), random()))) return;
+    wake.wait_for(lock, stop, backoff.next(steady_clock::now(), random()), [] { return false; });
   }
 }
 
@@ -129,27 +120,37 @@ Reflector::Outcome Reflector::watch(std::string& version) {
   WatchReader reader;
   Outcome outcome = Outcome::kGoOn;
   bool any = false;
+  bool answered = false;
   const auto begun = steady_clock::now();
-  const auto answer =
-      transport_.stream(request, options_.longest_watch + kBeyond, [&](std::string_view bytes) {
-        connected_ = true;
-        for (const WatchEvent& event : reader.feed(bytes)) {
-          if (event.type == WatchEvent::Type::kExpired) {
-            outcome = Outcome::kListAgain;
-          } else if (event.type == WatchEvent::Type::kError) {
-            outcome = Outcome::kFailed;
-          }
-          if (outcome != Outcome::kGoOn) return false;
-          any = true;
-          ++counts_.events;
-          if (auto now = metadata(event.object, "resourceVersion"); !now.empty()) {
-            version = std::move(now);
-          }
-          sink_.event(event);
-        }
-        return true;
-      });
+  auto heard = begun;
+  const auto answer = transport_.stream(request, options_.silence, [&](std::string_view bytes) {
+    connected_ = answered = true;
+    heard = steady_clock::now();
+    for (const WatchEvent& event : reader.feed(bytes)) {
+      if (event.type == WatchEvent::Type::kExpired) {
+        outcome = Outcome::kListAgain;
+      } else if (event.type == WatchEvent::Type::kError) {
+        outcome = Outcome::kFailed;
+      }
+      if (outcome != Outcome::kGoOn) return false;
+      any = true;
+      ++counts_.events;
+      if (auto now = metadata(event.object, "resourceVersion"); !now.empty()) {
+        version = std::move(now);
+      }
+      sink_.event(event);
+    }
+    return true;
+  });
   if (outcome != Outcome::kGoOn) return outcome;
+  if (!answer && answered && steady_clock::now() - heard >= options_.silence / 2) {
+    // Its connection is gone, or its server sends no bookmarks. Nothing is known to have failed:
+    // the next one, over another connection, begins at once and finds out.
+    connected_ = false;
+    ++counts_.silent;
+    log::warning("watch_silent", {{"kind", options_.kind}});
+    return Outcome::kGoOn;
+  }
   if (!answer || answer->status != 200) {
     connected_ = false;
     const json body = answer ? json::parse(answer->body, nullptr, false) : json();

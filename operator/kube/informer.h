@@ -1,10 +1,9 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <random>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
@@ -41,17 +40,17 @@ class Reflector {
     Backoff::Options backoff;
     std::chrono::seconds shortest_watch{300};  ///< how long one watch is, at random between these
     std::chrono::seconds longest_watch{600};
+    /// Of a watch, at most. The API server sends a bookmark each minute, so who hears less has lost
+    /// his connection without being told.
+    std::chrono::milliseconds silence{75'000};
     int page = 500;
   };
   struct Counts {
-    std::atomic<std::uint64_t> lists{0}, watches{0}, failures{0}, expired{0}, events{0};
+    std::atomic<std::uint64_t> lists{0}, watches{0}, failures{0}, expired{0}, silent{0}, events{0};
   };
 
   Reflector(Options options, Transport& transport, Sink& sink);
-  /// After the transport was stopped it returns at once.
-  ~Reflector();
-  Reflector(const Reflector&) = delete;
-  Reflector& operator=(const Reflector&) = delete;
+  /// After the transport was stopped its end comes at once.
 
   const Counts& counts() const { return counts_; }
   const std::string& kind() const { return options_.kind; }
@@ -61,10 +60,9 @@ class Reflector {
 
  private:
   enum class Outcome { kGoOn, kListAgain, kFailed };
-  void run();
+  void run(const std::stop_token& stop);
   Outcome list(std::string& version);
   Outcome watch(std::string& version);
-  bool wait(std::chrono::milliseconds time);
   double random();
 
   const Options options_;
@@ -73,10 +71,7 @@ class Reflector {
   Counts counts_;
   std::atomic<bool> connected_{false};
   std::mt19937_64 random_{std::random_device{}()};
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool stopping_ = false;
-  std::thread thread_;
+  std::jthread thread_;  // last: it uses the rest
 };
 
 /// A reflector and the store that it fills. `read` makes a T of an object; nothing: not of

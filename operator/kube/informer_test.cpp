@@ -33,6 +33,7 @@ class InformerTest : public testing::Test {
     options.kind = "things";
     options.backoff.first = std::chrono::milliseconds(1);
     options.backoff.longest = std::chrono::milliseconds(4);
+    options.silence = silence_;
     informer_ = std::make_unique<Informer<Thing>>(
         options, transport_,
         [](const json& object) {
@@ -64,6 +65,7 @@ class InformerTest : public testing::Test {
   }
 
   FakeTransport transport_;
+  std::chrono::milliseconds silence_{75'000};
   std::mutex mutex_;
   std::condition_variable changed_;
   std::unique_ptr<Informer<Thing>> informer_;
@@ -119,6 +121,29 @@ TEST_F(InformerTest, AListThatExpiresBetweenItsPagesLeavesWhatWasKnown) {
   start();
   ASSERT_TRUE(wait_until([&] { return transport_.asked().size() >= 6; }));
   EXPECT_EQ(names(), "a3 ");
+}
+
+TEST_F(InformerTest, ASilentWatchIsGivenUpAndGoesOnFromWhereItWas) {
+  silence_ = std::chrono::milliseconds(50);
+  transport_.put({200, list_of({thing("a", "3")}, "5")});
+  transport_.put({200, event("BOOKMARK", {{"metadata", {{"resourceVersion", "90"}}}}), true});
+  transport_.put({200, event("ADDED", thing("b", "91"))});
+  start();
+  ASSERT_TRUE(wait_until([&] { return names() == "a3 b91 "; })) << names();
+  EXPECT_NE(transport_.asked()[2].query.find("resourceVersion=90"), std::string::npos);
+  EXPECT_EQ(informer_->reflector().counts().silent, 1U);
+  EXPECT_EQ(informer_->reflector().counts().failures, 0U);
+}
+
+TEST_F(InformerTest, AWatchThatIsNotAnsweredAtAllHasFailed) {
+  silence_ = std::chrono::milliseconds(50);
+  transport_.put({200, list_of({thing("a", "3")}, "5")});
+  transport_.put({0, "", true});
+  transport_.put({200, event("ADDED", thing("b", "91"))});
+  start();
+  ASSERT_TRUE(wait_until([&] { return names() == "a3 b91 "; })) << names();
+  EXPECT_EQ(informer_->reflector().counts().silent, 0U);
+  EXPECT_EQ(informer_->reflector().counts().failures, 1U);
 }
 
 TEST_F(InformerTest, AServerThatIsAwayIsAskedForEver) {

@@ -43,17 +43,13 @@ LeaseRecord lease_record(const json& object) {
 }
 
 Leader::Leader(Options options, Api& api)
-    : options_(std::move(options)), api_(api), decision_(options_.lease) {
-  thread_ = std::thread([this] { run(); });
-}
+    : options_(std::move(options)),
+      api_(api),
+      decision_(options_.lease),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 Leader::~Leader() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
+  thread_ = {};
   if (leads()) give_back();
 }
 
@@ -62,9 +58,9 @@ bool Leader::leads() const {
   return decision_.leads(steady_clock::now());
 }
 
-void Leader::run() {
+void Leader::run(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  while (!stopping_) {
+  while (!stop.stop_requested()) {
     LeaseDecision::Step step = decision_.step(steady_clock::now());
     const bool led = decision_.has_led();
     if (step == LeaseDecision::Step::kLost) {
@@ -83,7 +79,7 @@ void Leader::run() {
     }
     lock.lock();
     const double random = std::uniform_real_distribution<double>(0, 1)(random_);
-    changed_.wait_for(lock, decision_.pause(random), [this] { return stopping_; });
+    wake_.wait_for(lock, stop, decision_.pause(random), [] { return false; });
   }
 }
 

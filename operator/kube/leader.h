@@ -4,6 +4,7 @@
 #include <functional>
 #include <mutex>
 #include <random>
+#include <stop_token>
 #include <string>
 #include <thread>
 
@@ -32,7 +33,7 @@ class Leader {
   bool leads() const;
 
  private:
-  void run();
+  void run(const std::stop_token& stop);
   void look();
   void write(bool held);
   void give_back();
@@ -41,10 +42,9 @@ class Leader {
   Api& api_;
   mutable std::mutex mutex_;
   LeaseDecision decision_;
-  std::condition_variable changed_;
-  bool stopping_ = false;
+  std::condition_variable_any wake_;
   std::mt19937_64 random_{std::random_device{}()};
-  std::thread thread_;
+  std::jthread thread_;  // last: it uses the rest
 };
 
 /// The Lease's resource of a record, and back.

@@ -28,7 +28,8 @@ class Transport {
  public:
   virtual ~Transport() = default;
   virtual Result<Response> call(const Request& request, std::chrono::milliseconds timeout) = 0;
-  /// An answer without end: `bytes` is told each piece as it comes, while it returns true. The body
+  /// An answer without end: `bytes` is told that it begins, by nothing, and then each piece as it
+  /// comes, while it returns true. The body
   /// of an answer that is not 200 is in the response, as of a call. `silence` without a byte ends
   /// it.
   virtual Result<Response> stream(const Request& request, std::chrono::milliseconds silence,

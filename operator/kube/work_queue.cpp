@@ -13,6 +13,11 @@ void WorkQueue::add(const std::string& key, Time due) {
   if (!added) at->second = std::min(at->second, due);
 }
 
+void WorkQueue::put(const std::string& key, Time due) {
+  due_.erase(key);
+  add(key, due);
+}
+
 std::optional<std::string> WorkQueue::take(Time now) {
   const auto first = std::min_element(
       due_.begin(), due_.end(), [](const auto& a, const auto& b) { return a.second < b.second; });

@@ -20,6 +20,8 @@ class WorkQueue {
 
   /// Due at once, or at `due`; of two times the earlier holds. A key that failed keeps its pause.
   void add(const std::string& key, Time due);
+  /// As add, but at `due` even if it was to come before.
+  void put(const std::string& key, Time due);
   /// What has been due for longest; whoever takes it says done, failed or both.
   std::optional<std::string> take(Time now);
   /// Not taken any more. Comes again if it was added meanwhile.

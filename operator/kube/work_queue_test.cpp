@@ -27,6 +27,20 @@ TEST(WorkQueue, AKeyIsWithOneWorkerAtATime) {
   EXPECT_EQ(queue.take(Time{} + 1h), "a");
 }
 
+TEST(WorkQueue, PutAgainItComesAtItsNewTurnButNotBeforeItsPauseIsOver) {
+  WorkQueue queue;
+  queue.add("a", Time{});
+  queue.add("b", Time{} + 1s);
+  queue.put("a", Time{} + 2s);
+  EXPECT_EQ(queue.take(Time{} + 1h), "b");
+  EXPECT_EQ(queue.take(Time{} + 1h), "a");
+  queue.failed("a", Time{} + 1h);
+  queue.done("a");
+  queue.put("a", Time{} + 1h);
+  EXPECT_EQ(queue.take(Time{} + 1h), std::nullopt);
+  EXPECT_EQ(queue.take(Time{} + 1h + WorkQueue::kFirst), "a");
+}
+
 TEST(WorkQueue, GivesWhatHasBeenDueForLongestFirst) {
   WorkQueue queue;
   queue.add("late", Time{} + 2s);

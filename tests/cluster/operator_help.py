@@ -7,12 +7,14 @@ import os
 import secrets
 import signal
 import subprocess
+import tempfile
 import threading
 import time
 from pathlib import Path
 
 import httpx
 import redis as redis_client
+from chart_help import rendered
 from conftest import wait_for
 from plane import Plane
 
@@ -21,20 +23,23 @@ from house.processes import Identity, end
 from house.stack import WITHOUT_CORE_FILES
 
 GROUP = "/apis/diaphane.dev/v1alpha1"
+#: The one lease that the chart lets it take.
+LEASE = "it-diaphane-operator"
 BUILD = Path(os.environ.get("DIAPHANE_BUILD", paths.REPO / "build" / "release"))
 _SCRIPTS = paths.REPO / "renderd" / "serve"
 _numbers = itertools.count(1)
 
-#: What the operator may, as the chart gives it (helm/diaphane/templates/operator.yaml).
-RULES = [
-    {"apiGroups": ["diaphane.dev"], "resources": ["renderfleets"], "verbs": ["get", "list", "watch", "patch", "update"]},
-    {"apiGroups": ["diaphane.dev"], "resources": ["renderworkers"], "verbs": ["get", "list", "watch", "create", "patch", "update", "delete"]},
-    {"apiGroups": ["diaphane.dev"], "resources": ["renderfleets/status", "renderworkers/status"], "verbs": ["get", "patch"]},
-    {"apiGroups": ["diaphane.dev"], "resources": ["renderfleets/finalizers", "renderworkers/finalizers"], "verbs": ["update"]},
-    {"apiGroups": [""], "resources": ["pods"], "verbs": ["get", "list", "watch", "create", "patch", "delete"]},
-    {"apiGroups": [""], "resources": ["events"], "verbs": ["create", "patch"]},
-    {"apiGroups": ["coordination.k8s.io"], "resources": ["leases"], "verbs": ["create", "get", "update"]},
-]
+_rights: dict[bool, dict[str, list[dict]]] = {}
+
+
+def chart_rights(plane: Plane, all_pods: bool = False) -> dict[str, list[dict]]:
+    """What the chart gives the operator: `here`, in its namespace, and `everywhere`."""
+    if all_pods not in _rights:
+        with tempfile.TemporaryDirectory() as folder:
+            roles = rendered(plane, Path(folder), {"operator": {"watchAllPods": all_pods}})
+        named = {"Role": "here", "ClusterRole": "everywhere"}
+        _rights[all_pods] = {named[one["kind"]]: one["rules"] for one in roles if one["kind"] in named}
+    return _rights[all_pods]
 
 
 class Redis:
@@ -83,8 +88,8 @@ class Beats:
                 pass
 
     def _beat(self, pod: dict) -> None:
-        container = next(one for one in pod["spec"]["containers"] if one["name"] == "renderd")
-        env = {one["name"]: one.get("value", "") for one in container.get("env", [])}
+        containers = [one for one in pod["spec"]["containers"] if one["name"] == "renderd"]
+        env = {one["name"]: one.get("value", "") for container in containers for one in container.get("env", [])}
         owner = env.get("DIAPHANE_OWNER")
         if not owner:
             return
@@ -109,15 +114,16 @@ class Beats:
 class Operator:
     """One process of diaphane-operator."""
 
-    def __init__(self, cluster: Cluster, number: int):
+    def __init__(self, cluster: Cluster, number: int, server: str = "", **settings: str):
         self.cluster = cluster
         self.name = f"operator-{number}"
         self.admin = next(iter(ports.random_free().values()))
         self.log = cluster.folder / f"{cluster.namespace}-{self.name}.log"
         plane = cluster.plane
-        env = {"PATH": "/usr/bin:/bin", "LANG": "C.UTF-8", "DIAPHANE_NAMESPACE": cluster.namespace, "DIAPHANE_KUBE_SERVER": plane.server,
+        env = {"PATH": "/usr/bin:/bin", "LANG": "C.UTF-8", "DIAPHANE_NAMESPACE": cluster.namespace, "DIAPHANE_KUBE_SERVER": server or plane.server,
                "DIAPHANE_KUBE_TOKEN_FILE": str(cluster.token_file), "DIAPHANE_KUBE_CA_FILE": str(plane.folder / "ca.crt"),
-               "DIAPHANE_REDIS": f"127.0.0.1:{cluster.redis.port}", "DIAPHANE_ADMIN_PORT": str(self.admin), "DIAPHANE_IDENTITY": self.name}
+               "DIAPHANE_REDIS": f"127.0.0.1:{cluster.redis.port}", "DIAPHANE_ADMIN_PORT": str(self.admin), "DIAPHANE_IDENTITY": self.name,
+               "DIAPHANE_LEASE": LEASE, **settings}
         with open(self.log, "ab") as out:
             self.process = subprocess.Popen([*WITHOUT_CORE_FILES, str(BUILD / "bin" / "diaphane-operator")], env=env, cwd="/", stdin=subprocess.DEVNULL,
                                             stdout=out, stderr=out, start_new_session=True)
@@ -156,27 +162,28 @@ class Cluster:
         self.plane, self.namespace, self.folder = plane, namespace, folder
         self.redis = Redis(folder, plane.run_as)
         self.operators: list[Operator] = []
-        self.allow(RULES)
+        self.allow(**chart_rights(plane))
         self.token_file = folder / f"{namespace}.token"
         self.token_file.write_text(plane.service_account_token(namespace, "operator"), encoding="utf-8")
         self.beats = Beats(self)
 
-    def allow(self, rules: list[dict]) -> None:
-        here = {"namespace": self.namespace}
+    def allow(self, here: list[dict], everywhere: list[dict]) -> None:
+        space = {"namespace": self.namespace}
+        api = "rbac.authorization.k8s.io"
+        subject = {"kind": "ServiceAccount", "name": "operator", **space}
+        wide = f"{self.namespace}-operator"
         self.plane.apply(
-            {"apiVersion": "v1", "kind": "ServiceAccount", "metadata": {"name": "operator", **here}},
-            {"apiVersion": "rbac.authorization.k8s.io/v1", "kind": "Role", "metadata": {"name": "operator", **here}, "rules": rules},
-            {"apiVersion": "rbac.authorization.k8s.io/v1", "kind": "RoleBinding", "metadata": {"name": "operator", **here},
-             "roleRef": {"apiGroup": "rbac.authorization.k8s.io", "kind": "Role", "name": "operator"},
-             "subjects": [{"kind": "ServiceAccount", "name": "operator", **here}]},
-            {"apiVersion": "rbac.authorization.k8s.io/v1", "kind": "ClusterRole", "metadata": {"name": "diaphane-nodes"},
-             "rules": [{"apiGroups": [""], "resources": ["nodes"], "verbs": ["get", "list", "watch"]}]},
-            {"apiVersion": "rbac.authorization.k8s.io/v1", "kind": "ClusterRoleBinding", "metadata": {"name": f"{self.namespace}-nodes"},
-             "roleRef": {"apiGroup": "rbac.authorization.k8s.io", "kind": "ClusterRole", "name": "diaphane-nodes"},
-             "subjects": [{"kind": "ServiceAccount", "name": "operator", **here}]})
+            {"apiVersion": "v1", "kind": "ServiceAccount", "metadata": {"name": "operator", **space}},
+            {"apiVersion": f"{api}/v1", "kind": "Role", "metadata": {"name": "operator", **space}, "rules": here},
+            {"apiVersion": f"{api}/v1", "kind": "RoleBinding", "metadata": {"name": "operator", **space},
+             "roleRef": {"apiGroup": api, "kind": "Role", "name": "operator"}, "subjects": [subject]},
+            {"apiVersion": f"{api}/v1", "kind": "ClusterRole", "metadata": {"name": wide}, "rules": everywhere},
+            {"apiVersion": f"{api}/v1", "kind": "ClusterRoleBinding", "metadata": {"name": wide},
+             "roleRef": {"apiGroup": api, "kind": "ClusterRole", "name": wide}, "subjects": [subject]})
 
-    def operator(self) -> Operator:
-        self.operators.append(Operator(self, next(_numbers)))
+    def operator(self, **how: str) -> Operator:
+        """`server`: another way to the API server; else settings."""
+        self.operators.append(Operator(self, next(_numbers), **how))
         return self.operators[-1]
 
     def nodes(self, count: int, gpus: int = 8) -> list[str]:

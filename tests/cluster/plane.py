@@ -238,7 +238,9 @@ class Plane:
                 f"--token-auth-file={self.folder / 'tokens.csv'}", "--service-account-issuer=https://kubernetes.default.svc",
                 f"--service-account-key-file={accounts}", f"--service-account-signing-key-file={accounts}",
                 f"--tls-cert-file={self.folder / 'server.crt'}", f"--tls-private-key-file={self.folder / 'server.key'}",
-                f"--cert-dir={self.folder / 'certificates'}", "--shutdown-delay-duration=0s"],
+                f"--cert-dir={self.folder / 'certificates'}", "--shutdown-delay-duration=0s",
+                # As OpenShift has it: who blocks an owner's deletion has to be allowed to.
+                "--enable-admission-plugins=OwnerReferencesPermissionEnforcement"],
             "kube-controller-manager": [
                 config, *asks, *serving, "--leader-elect=false", "--use-service-account-credentials", f"--root-ca-file={self.folder / 'ca.crt'}",
                 f"--service-account-private-key-file={accounts}", f"--cert-dir={self.folder / 'certificates'}"],

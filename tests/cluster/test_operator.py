@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from conftest import wait_for
-from operator_help import GROUP, RULES, Cluster
+from operator_help import GROUP, Cluster
 
 from house import logfiles
 
@@ -26,6 +26,7 @@ def cluster(plane, namespace, request):
     shutil.rmtree(folder, ignore_errors=True)
 
 
+@pytest.mark.chosen
 def test_a_fleet_becomes_workers_and_pods_each_on_its_gpu(cluster):
     nodes = cluster.nodes(2, gpus=2)
     operator = cluster.operator()
@@ -68,6 +69,7 @@ def test_more_than_the_nodes_have_is_said_and_never_over_committed(cluster):
     assert cluster.over_committed() == [] and len(cluster.workers()) == 2
 
 
+@pytest.mark.chosen
 def test_a_cordoned_node_is_drained_and_no_session_is_cut(cluster):
     first, second = cluster.nodes(2, gpus=1)
     cluster.operator()
@@ -230,36 +232,3 @@ def test_demand_adds_a_worker_when_the_last_slot_is_taken(cluster):
     cluster.beats.sessions["skull-0"] = ["11111111-1111-4111-8111-111111111111", "22222222-2222-4222-8222-222222222222"]
     cluster.settled(2)
     assert cluster.status()["slotsUsed"] == 2
-
-
-def rules_without(kind: str, verb: str) -> list[dict]:
-    """RULES, but of one right."""
-    rules = [{**rule, "verbs": list(rule["verbs"])} for rule in RULES]
-    for rule in list(rules):
-        if kind in rule["resources"]:
-            rest = [one for one in rule["resources"] if one != kind]
-            if rest:
-                rules.append({**rule, "resources": rest, "verbs": list(rule["verbs"])})
-            rule["resources"] = [kind]
-            rule["verbs"] = [one for one in rule["verbs"] if one != verb]
-    return rules
-
-
-@pytest.mark.parametrize("kind, verb", [("renderworkers", "create"), ("pods", "create"), ("renderworkers/status", "patch"), ("renderfleets", "list")])
-def test_without_one_of_its_rights_it_cannot_do_its_work(cluster, kind, verb):
-    """Each right is needed: taken away, no fleet comes to what it asks for."""
-    cluster.nodes(1, gpus=1)
-    cluster.allow(rules_without(kind, verb))
-    operator = cluster.operator()
-    cluster.fleet(replicas=1)
-    wait_for(lambda: "orbidden" in operator.log.read_text(encoding="utf-8"), "a refusal in its log")
-    assert cluster.status().get("readyReplicas", 0) == 0
-
-
-def test_without_the_right_to_renew_its_lease_it_leads_no_longer_than_that(cluster):
-    """It may make one: what it does until then is right."""
-    cluster.allow(rules_without("leases", "update"))
-    operator = cluster.operator()
-    wait_for(lambda: "orbidden" in operator.log.read_text(encoding="utf-8"), "a refusal in its log")
-    wait_for(lambda: not operator.alive(), "its end")
-    assert operator.process.returncode == 75

@@ -55,8 +55,28 @@ def folder() -> Path:
     return paths.REPO / ".tools" / "cluster" / key.hexdigest()[:16]
 
 
+def shared() -> Path:
+    """Where they are kept for other checkouts of this person, as Go keeps what it compiled."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "diaphane" / "cluster" / folder().name
+
+
 def missing() -> list[str]:
+    """What would have to be built."""
+    _bring(shared(), folder())
     return [name for name in (*PROGRAMS, *_FILES) if not (folder() / name).exists()]
+
+
+def _bring(source: Path, to: Path) -> None:
+    for name in (*PROGRAMS, *_FILES):
+        if (to / name).exists() or not (source / name).exists():
+            continue
+        to.mkdir(parents=True, exist_ok=True)
+        beside = to / f".new-{os.getpid()}-{name}"
+        try:
+            os.link(source / name, beside)
+        except OSError:      # another file system
+            shutil.copy2(source / name, beside)
+        os.replace(beside, to / name)
 
 
 def ensure() -> Path:
@@ -67,6 +87,7 @@ def ensure() -> Path:
         folder().mkdir(parents=True, exist_ok=True)
         _build(name)
         say(f"{name}: {time.monotonic() - began:.0f} s")
+    _bring(folder(), shared())
     return folder()
 
 

@@ -1,0 +1,317 @@
+"""The operator before thousands of GPUs: filled, idle, started anew; sessions placed among them; a worker made because the last slot is taken.
+Used by `./diaphane bench cluster`. Nodes and pods are kwok's; of each pod renderd's own scripts beat in a real Redis."""
+
+from __future__ import annotations
+
+import json
+import random
+import shutil
+import socket
+import statistics
+import subprocess
+import tempfile
+import threading
+import time
+import uuid
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import redis as redis_client
+from conftest import CHART, wait_for
+from operator_help import Cluster, Redis
+from plane import Plane
+
+from house import paths, users
+
+PLACE = paths.REPO / "api" / "redis" / "place.lua"
+HEARTBEAT = paths.REPO / "renderd" / "serve" / "heartbeat.lua"
+REPORT = paths.REPO / "renderd" / "serve" / "report_to_fleet.lua"
+FLEETS = paths.REPO / "operator" / "observe" / "fleets.lua"
+#: What of the others' defaults is made for small clusters: 50 binds a second, a node's lease each 10 s.
+_FLAGS = {
+    "kube-scheduler": ["--kube-api-qps=2000", "--kube-api-burst=4000"],
+    "kube-controller-manager": ["--kube-api-qps=2000", "--kube-api-burst=4000", "--node-monitor-grace-period=900s"],
+    "kwok": ["--node-lease-duration-seconds=600"],
+    "kube-apiserver": ["--max-requests-inflight=2000", "--max-mutating-requests-inflight=1000"],
+}
+
+
+def _resp(*words: object) -> bytes:
+    parts = [str(word).encode() for word in words]
+    return b"*%d\r\n" % len(parts) + b"".join(b"$%d\r\n%s\r\n" % (len(one), one) for one in parts)
+
+
+class ManyBeats:
+    """Heartbeats of thousands of workers, each second, as bytes that are made once: what they cost is Redis's work and not Python's."""
+
+    def __init__(self, port: int):
+        self.client = redis_client.Redis(port=port, decode_responses=True)
+        self.heartbeat, self.report = (self.client.script_load(path.read_text(encoding="utf-8")) for path in (HEARTBEAT, REPORT))
+        self.socket = socket.create_connection(("127.0.0.1", port))
+        self.words: dict[str, bytes] = {}
+        self.rounds: list[float] = []
+        self.stopping = threading.Event()
+        self.thread = threading.Thread(target=self._run, daemon=True)
+
+    def start(self) -> "ManyBeats":
+        self.thread.start()
+        return self
+
+    def put(self, name: str, incarnation: str, owner: str = "", slots: int = 16) -> None:
+        key = f"diaphane:worker:{name}"
+        words = _resp("EVALSHA", self.heartbeat, 3, "diaphane:workers", key, key + ":sessions", name, incarnation, f"{name}:1", "cpu", "test", slots,
+                      "0", "0.1", "", "diaphane:session:")
+        if owner:
+            words += _resp("EVALSHA", self.report, 3, "diaphane:workers", key, key + ":drain", name, incarnation, owner, "0.1", "0.2")
+        self.words[name] = words
+
+    def remove(self, name: str) -> None:
+        self.words.pop(name, None)
+
+    def _run(self) -> None:
+        while not self.stopping.is_set():
+            began = time.monotonic()
+            words = list(self.words.values())
+            for i in range(0, len(words), 100):     # as many small ones, so that others come in between
+                self.socket.sendall(b"".join(words[i:i + 100]))
+                self._drain(sum(2 if b":drain" in one else 1 for one in words[i:i + 100]))
+            if words:
+                self.rounds.append(time.monotonic() - began)
+            self.stopping.wait(max(0.01, 1 - (time.monotonic() - began)))
+
+    def _drain(self, answers: int) -> None:
+        """Reads so many: a heartbeat's is a list of one empty text, a report's a number."""
+        data = b""
+        while data.count(b":") + data.count(b"*1\r\n") < answers:
+            piece = self.socket.recv(1 << 16)
+            if not piece or b"-ERR" in piece or b"-NOSCRIPT" in piece:
+                raise RuntimeError(piece[:200])
+            data += piece
+
+    def stop(self) -> None:
+        self.stopping.set()
+        self.thread.join()
+
+
+def percentile(values: list[float], share: float) -> float:
+    ordered = sorted(values)
+    return ordered[min(len(ordered) - 1, int(share * len(ordered)))]
+
+
+# Sessions on warm workers: no Kubernetes in it
+
+def place(workers: int, rate: float, seconds: float, slots: int = 16, filled: float = 0.5) -> dict:
+    """New sessions at `rate`, asked for at their time whatever the answers take, while all workers beat and the operator looks each second."""
+    folder, run_as = Path(tempfile.mkdtemp(prefix="diaphane-place-")), users.ordinary_user()
+    run_as.own(folder)
+    redis = Redis(folder, run_as)
+    beats = ManyBeats(redis.port)
+    try:
+        names = [f"skull-{number}" for number in range(workers)]
+        for name in names:
+            beats.put(name, "i", f"skull/{name}/1", slots)
+        beats.start()
+        wait_for(lambda: redis.client.scard("diaphane:workers") == workers and len(beats.rounds) > 2, "all workers")
+        # Those who are here already: their slots are held for longer than this takes.
+        until = int(time.time() * 1000) + 3_600_000
+        pipe = redis.client.pipeline(transaction=False)
+        dice = random.Random(1)
+        for name in names:
+            held = {str(uuid.UUID(int=dice.getrandbits(128))): until for _ in range(min(slots - 1, max(0, round(dice.gauss(filled * slots, 1)))))}
+            if held:
+                pipe.zadd(f"diaphane:worker:{name}:sessions", held)
+        pipe.execute()
+        script = redis.client.register_script(PLACE.read_text(encoding="utf-8"))
+        look = redis.client.register_script(FLEETS.read_text(encoding="utf-8"))
+        looks: list[float] = []
+        over = threading.Event()
+
+        def operator() -> None:
+            while not over.wait(1):
+                began = time.monotonic()
+                look(args=["1", "skull"])
+                looks.append(time.monotonic() - began)
+        looker = threading.Thread(target=operator, daemon=True)
+        looker.start()
+        times: list[float] = []
+        refused: list[str] = []
+
+        def ask(due: float) -> None:
+            session, person, data = (str(uuid.uuid4()) for _ in range(3))
+            answer = script(args=[session, person, data, uuid.uuid4().hex * 2, "1", 15000, 30, 86400, 8, 64, "", "", "", "", "skull"])
+            times.append(time.monotonic() - due)
+            if answer[0] == "placed":
+                redis.client.zadd(f"diaphane:worker:{answer[1]}:sessions", {session: until})
+            else:
+                refused.append(answer[0])
+        due = time.monotonic()
+        end = due + seconds
+        with ThreadPoolExecutor(8) as asking:       # as many as an api has connections, or so
+            while due < end:
+                due += dice.expovariate(rate)
+                time.sleep(max(0, due - time.monotonic()))
+                asking.submit(ask, due)
+        over.set()
+        looker.join()
+        pipe = redis.client.pipeline(transaction=False)
+        for name in names:
+            pipe.zcard(f"diaphane:worker:{name}:sessions")
+        counts = pipe.execute()
+        return {"workers": workers, "asked": len(times), "p50_ms": 1e3 * percentile(times, 0.5), "p99_ms": 1e3 * percentile(times, 0.99),
+                "refused": len(refused), "over_committed": sum(count > slots for count in counts), "sessions": sum(counts),
+                "most": max(counts), "least": min(counts), "spread": statistics.pstdev(counts) / statistics.mean(counts),
+                "beats_s": statistics.median(beats.rounds), "look_p50_ms": 1e3 * percentile(looks, 0.5)}
+    finally:
+        beats.stop()
+        redis.stop()
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+# With the control plane
+
+class ScaleCluster(Cluster):
+    """Without the slow beats of the tests: who watches the pods' metadata tells who beats."""
+
+    def __init__(self, plane: Plane, namespace: str, folder: Path):
+        super().__init__(plane, namespace, folder)
+        self.beats.stop()
+        self.slots = 16
+        self.many = ManyBeats(self.redis.port).start()
+        self.closing = threading.Event()
+        threading.Thread(target=self._watch, daemon=True).start()
+
+    def _watch(self) -> None:
+        path = f"/api/v1/namespaces/{self.namespace}/pods"
+        accept = {"Accept": "application/json;as=PartialObjectMetadata;g=meta.k8s.io;v=v1"}
+        while not self.closing.is_set():
+            try:
+                with self.plane.client() as api, api.stream("GET", path, params={"watch": "1"}, headers=accept, timeout=None) as answer:
+                    for line in answer.iter_lines():
+                        self._pod(json.loads(line))
+            except httpx.HTTPError:
+                time.sleep(0.2)
+
+    def _pod(self, event: dict) -> None:
+        about = event["object"]["metadata"]
+        if not (owners := about.get("ownerReferences")):
+            return
+        if event["type"] == "DELETED":
+            return self.many.remove(about["name"])
+        fleet = about["labels"]["diaphane.dev/fleet"]
+        self.many.put(about["name"], about["uid"], f"{fleet}/{owners[0]['uid']}/{about['annotations']['diaphane.dev/epoch']}", self.slots)
+
+    def close(self) -> None:
+        self.closing.set()
+        self.many.stop()
+        for one in self.operators:
+            one.stop()
+        self.redis.stop()
+
+
+@contextmanager
+def cluster(nodes: int, gpus: int = 8):
+    folder, run_as = Path(tempfile.mkdtemp(prefix="diaphane-scale-")), users.ordinary_user()
+    run_as.own(folder)
+    plane = Plane(folder, run_as, flags=_FLAGS).start()
+    made = None
+    try:
+        plane.kubectl("apply", "--server-side", "-f", str(CHART / "crds"))
+        plane.kubectl("wait", "--for=condition=Established", "crd", "-l", "app.kubernetes.io/part-of=diaphane", "--timeout=60s")
+        plane.apply({"apiVersion": "v1", "kind": "Namespace", "metadata": {"name": "scale"}})
+        own = folder / "operator"
+        own.mkdir()
+        run_as.own(own)
+        made = ScaleCluster(plane, "scale", own)
+        made.nodes(nodes, gpus)
+        yield made
+    finally:
+        if made:
+            made.close()
+        plane.stop()
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def rss_mb(pid: int) -> float:
+    line = next(one for one in Path(f"/proc/{pid}/status").read_text(encoding="ascii").splitlines() if one.startswith("VmRSS"))
+    return int(line.split()[1]) / 1024
+
+
+def cpu_s(pid: int) -> float:
+    words = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+    return (int(words[11]) + int(words[12])) / 100
+
+
+def fill(nodes: int, most_s: float, idle_s: float) -> dict:
+    """A fleet that wants every GPU; then nothing happens; then the operator is started anew and something is to be done at once."""
+    with cluster(nodes) as made:
+        wanted = nodes * 8
+        operator = made.operator()
+        wait_for(lambda: operator.ready().get("leader"), "a leader")
+        began = time.monotonic()
+        made.fleet(replicas=wanted, sessionsPerWorker=16)
+        steps = []
+        while (now := time.monotonic() - began) < most_s:
+            ready = made.status().get("readyReplicas", 0)
+            steps.append((round(now, 1), ready, len(made.many.words)))
+            if ready == wanted:
+                break
+            time.sleep(2)
+        reached, took = steps[-1][1], time.monotonic() - began
+        pids = {"operator": operator.process.pid, **{name: one.pid for name, one in made.plane.processes.items()}}
+        spent = {name: cpu_s(pid) for name, pid in pids.items()}
+        over = made.over_committed()
+        out = {"nodes": nodes, "wanted": wanted, "ready": reached, "fill_s": took, "over_committed_nodes": len(over), "steps": steps[::10],
+               "cpu_filling_s": {name: round(value, 1) for name, value in spent.items()}, "rss_filled_mb": rss_mb(pids["operator"])}
+        if reached < wanted:
+            # As many as there are is what it has from here on.
+            made.plane.kubectl("scale", "rf/skull", f"--replicas={len(made.many.words)}", "-n", made.namespace)
+            time.sleep(20)
+        before, at = cpu_s(pids["operator"]), time.monotonic()
+        time.sleep(idle_s)
+        out["idle_cpu_share"] = (cpu_s(pids["operator"]) - before) / (time.monotonic() - at)
+        out["rss_idle_mb"] = rss_mb(pids["operator"])
+        out["beats_s"] = statistics.median(made.many.rounds[-20:])
+        out |= restart(made, operator)
+        out["over_committed_nodes"] = max(out["over_committed_nodes"], len(made.over_committed()))
+        return out
+
+
+def restart(made: ScaleCluster, operator) -> dict:
+    assert operator.stop() == 0
+    name = sorted(made.many.words)[0]
+    made.plane.kubectl("delete", "pod", name, "-n", made.namespace, "--wait=true", "--grace-period=0", "--force")
+    began = time.monotonic()
+    second = made.operator()
+    wait_for(lambda: second.ready().get("checks", {}).get("listed"), "all listed", timeout=300)
+    listed = time.monotonic() - began
+    path = f"/api/v1/namespaces/{made.namespace}/pods/{name}"
+    wait_for(lambda: made.plane.api.get(path).status_code == 200, "the pod that is missing", timeout=300)
+    return {"listed_s": listed, "acting_s": time.monotonic() - began, "rss_restarted_mb": rss_mb(second.process.pid)}
+
+
+def cold(times: int) -> dict:
+    """The last slot is taken and somebody comes: until there is a worker that takes him. Its pod begins at once (kwok): what a GPU's does is not in it."""
+    with cluster(max(1, times // 8 + 1)) as made:
+        operator = made.operator()
+        wait_for(lambda: operator.ready().get("leader"), "a leader")
+        made.slots = 1
+        made.fleet(sessionsPerWorker=made.slots, maxReplicas=times + 4)
+        client, took = made.redis.client, []
+        script = client.register_script(PLACE.read_text(encoding="utf-8"))
+        until = int(time.time() * 1000) + 3_600_000
+
+        def ask(session: str) -> str:
+            answer = script(args=[session, str(uuid.uuid4()), str(uuid.uuid4()), uuid.uuid4().hex * 2, "1", 15000, 30, 86400, 8, 64, "", "", "", "", "skull"])
+            return answer[1] if answer[0] == "placed" else ""
+        for _ in range(times):
+            session = str(uuid.uuid4())
+            while worker := ask(session):       # who has room is filled first
+                client.zadd(f"diaphane:worker:{worker}:sessions", {session: until})
+                session = str(uuid.uuid4())
+            began = time.monotonic()
+            worker = wait_for(lambda: ask(session), "a place", timeout=120)
+            took.append(time.monotonic() - began)
+            client.zadd(f"diaphane:worker:{worker}:sessions", {session: until})
+        return {"times": times, "p50_s": percentile(took, 0.5), "p99_s": percentile(took, 0.99), "over_committed_nodes": len(made.over_committed())}

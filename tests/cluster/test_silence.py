@@ -1,0 +1,49 @@
+"""A connection that dies without a word."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import time
+from pathlib import Path
+
+import pytest
+from conftest import wait_for
+from operator_help import Cluster
+from stuck_wire import StuckWire
+
+
+@pytest.fixture
+def cluster(plane, namespace):
+    folder = Path(tempfile.mkdtemp(prefix="diaphane-silence-"))
+    plane.run_as.own(folder)
+    made = Cluster(plane, namespace, folder)
+    yield made
+    made.close()
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def test_a_watch_that_has_died_without_a_word_is_noticed_and_goes_on(cluster, record_property):
+    """The API server's bookmarks come each minute; who hears none for a quarter more watches anew, from where it was."""
+    wire = StuckWire(cluster.plane.server)
+    try:
+        cluster.nodes(2, gpus=1)
+        operator = cluster.operator(server=wire.url)
+        cluster.fleet(replicas=1)
+        cluster.settled(1)
+        assert wire.stick() >= 4, "four watches"
+        # A node's cordon is told by the watch alone: no write of its own and no heartbeat says it.
+        cluster.plane.kubectl("cordon", cluster.running()[0]["spec"]["nodeName"])
+        began = time.monotonic()
+        wait_for(lambda: any(one["spec"].get("drain", {}).get("reason") == "Cordoned" for one in cluster.workers()), "what it was not told", timeout=150)
+        record_property("noticed_s", time.monotonic() - began)
+        print(f"noticed after {time.monotonic() - began:.0f} s")
+        cluster.settled(1)
+        assert operator.alive() and operator.ready()["leader"]
+        assert '{kind="nodes",what="silent"} 1' in operator.metrics()
+        assert '"list_again"' not in operator.log.read_text(encoding="utf-8")
+        assert operator.metrics().count('what="failures"} 0') == 4, "nothing failed: it was noticed"
+    finally:
+        for one in cluster.operators:
+            one.stop()
+        wire.close()

@@ -1,0 +1,102 @@
+"""The operator and placing at the size that it is made for: a real control plane, kwok's nodes, renderd's own heartbeat scripts."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import sys
+from pathlib import Path
+
+from .. import kubernetes, paths
+from ..bench import Result
+from ..says import HouseError, say
+from . import cluster_plan
+
+ABOUT = "1000 nodes x 8 GPUs (kwok): filling, idle, restart, cold start; placing 45 sessions a second; load spread (--part place|fill|cold|plan, --nodes)"
+PROGRAMS = ("diaphane-operator", "diaphane-operator-bench")
+PARTS = ("place", "fill", "cold", "plan")
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--part", choices=PARTS, help="only this one (default: one after the other; fill takes most of the time)")
+    parser.add_argument("--nodes", type=int, help="of 8 GPUs (default: 1000; --quick 20)")
+    parser.add_argument("--rate", type=float, default=45, help="new sessions a second (default: 45)")
+    parser.add_argument("--seconds", type=float, help="of placing (default: 60; --quick 10)")
+    parser.add_argument("--most", type=float, default=600, help="seconds of filling, at most: then it goes on with what there is (default: 600)")
+    parser.add_argument("--out", type=Path, default=paths.REPO / "out" / "cluster", help="JSON and CSV go there")
+
+
+def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
+    options.out.mkdir(parents=True, exist_ok=True)
+    parts = (options.part,) if options.part else PARTS
+    if set(parts) & {"fill", "cold"} and (missing := kubernetes.missing()):
+        raise HouseError(f"not built: {', '.join(missing)}; ./diaphane test cluster builds them")
+    sys.path[:0] = [str(paths.REPO / "tests" / "cluster")]
+    nodes = options.nodes or (20 if quick else 1000)
+    results = []
+    for part in parts:
+        results += _PARTS[part](quick, options, nodes)
+    return results
+
+
+def _write(options: argparse.Namespace, part: str, found: dict) -> None:
+    (options.out / f"{part}.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    with open(options.out / f"{part}.csv", "w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([("what", "value"), *((key, value) for key, value in found.items() if isinstance(value, (int, float)))])
+    say(f"Tables: {options.out}")
+
+
+def _place(quick: bool, options: argparse.Namespace, nodes: int) -> list[Result]:
+    from scale_run import place
+
+    found = place(nodes * 8, options.rate, options.seconds or (10 if quick else 60))
+    _write(options, "place", found)
+    return placed(found)
+
+
+def placed(found: dict) -> list[Result]:
+    over = found["over_committed"]
+    return [Result(f"placed among {found['workers']} warm workers, p50", found["p50_ms"], "ms", 0, 20, found["p50_ms"] <= 20),
+            Result("placed, p99", found["p99_ms"], "ms", 0, 376, found["p99_ms"] <= 376),
+            Result("workers with more sessions than slots", over, "", 0, 0, over == 0),
+            Result("refused though there is room", found["refused"], "", 0, 0, found["refused"] == 0),
+            Result("sessions a worker, standard deviation over mean", 100 * found["spread"], "%", 0, 10, found["spread"] <= 0.1),
+            Result("heartbeats of all, one round", found["beats_s"], "s"),
+            Result("the operator's look into Redis, p50", found["look_p50_ms"], "ms")]
+
+
+def _fill(quick: bool, options: argparse.Namespace, nodes: int) -> list[Result]:
+    from scale_run import fill
+
+    found = fill(nodes, options.most, 15 if quick else 60)
+    _write(options, "fill", found)
+    return filled(found)
+
+
+def filled(found: dict) -> list[Result]:
+    over, idle = found["over_committed_nodes"], 100 * found["idle_cpu_share"]
+    return [Result(f"workers ready of {found['wanted']}", found["ready"], "", 0, found["wanted"], found["ready"] == found["wanted"]),
+            Result("filled within", found["fill_s"], "s"),
+            Result("nodes with more workers than GPUs", over, "", 0, 0, over == 0),
+            Result("operator's memory, idle", found["rss_idle_mb"], "MB", 0, 200, found["rss_idle_mb"] <= 200),
+            Result("operator's share of a core, idle", idle, "%", 0, 20, idle <= 20),
+            Result("after a restart: all listed", found["listed_s"], "s"),
+            Result("after a restart: acting", found["acting_s"], "s", 0, 10, found["acting_s"] <= 10)]
+
+
+def _cold(quick: bool, options: argparse.Namespace, nodes: int) -> list[Result]:
+    from scale_run import cold
+
+    found = cold(4 if quick else 30)
+    _write(options, "cold", found)
+    over = found["over_committed_nodes"]
+    return [Result("no slot free: asked until placed on a new worker, p50", found["p50_s"], "s"), Result("the same, p99", found["p99_s"], "s"),
+            Result("nodes with more workers than GPUs", over, "", 0, 0, over == 0)]
+
+
+def _plan(quick: bool, options: argparse.Namespace, nodes: int) -> list[Result]:
+    return cluster_plan.measure(quick, argparse.Namespace(sessions=None, devices=None, seconds=None, seed=1, out=options.out))
+
+
+_PARTS = {"place": _place, "fill": _fill, "cold": _cold, "plan": _plan}
