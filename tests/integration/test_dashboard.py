@@ -1,0 +1,47 @@
+"""Every query of the chart's dashboard finds its metric, with its labels, in what the real programs say."""
+
+from __future__ import annotations
+
+import shutil
+import uuid
+
+import httpx
+import pytest
+from api_client import person
+from dashboard_help import asked, unanswered
+from stream_help import Viewer, open_session, store_ball
+from websockets.exceptions import ConnectionClosed
+
+from harness import TestStack
+
+#: Of programs that are asked here; the operator is asked in tests/cluster.
+PROGRAMS = ("api", "renderd", "ingestd")
+PREFIXES = ("diaphane_api_", "diaphane_stream_", "diaphane_renderd_", "diaphane_ingest_", "diaphane_start_")
+
+
+def metrics(stack: TestStack) -> str:
+    return "".join(httpx.get(f"http://127.0.0.1:{stack.ports[f'{one}-admin']}/metrics", trust_env=False).text for one in PROGRAMS)
+
+
+def test_every_query_of_the_dashboard_is_answered(stack):
+    somebody = person(stack)
+    ball = store_ball(stack, somebody)
+    session, url = open_session(somebody, ball)
+    viewer = Viewer(stack.url, url)
+    viewer.frame()
+    # Refused for its ticket; an upload that is none: what is counted by its kind begins with the first.
+    httpx.get(f"{stack.url}/stream?ticket={'0' * 64}", headers={"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13",
+                                                                "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==", "Origin": stack.url,
+                                                                "Sec-WebSocket-Protocol": "diaphane.v1"})
+    viewer.leave()
+    # A worker that has no such volume ends its call with an error.
+    gone = store_ball(stack, somebody)
+    shutil.rmtree(stack.data_dir / "volumes" / gone)
+    lost, url = open_session(somebody, gone)
+    with pytest.raises((AssertionError, ConnectionClosed, TimeoutError)):
+        Viewer(stack.url, url).frame()
+    for one in (session, lost):
+        somebody.http.delete(f"/v1/sessions/{one}")
+    somebody.upload(uuid.uuid4().bytes * 40)
+    stack.wait_until(lambda: not unanswered(PREFIXES, metrics(stack)) or None, 20, f"an answer to {unanswered(PREFIXES, metrics(stack))}")
+    assert {metric for _, metric, _ in asked() if not metric.startswith((*PREFIXES, "diaphane_operator_"))} == set()
