@@ -36,7 +36,7 @@ def browser():
 def visit(browser: Browser):
     contexts, faults = [], []
 
-    def open_page(phone: bool = False, dark: bool = False, wide: bool = False, small: bool = False, **more) -> Page:
+    def open_page(phone: bool = False, dark: bool = False, wide: bool = False, small: bool = False, touch: bool = False, **more) -> Page:
         # Not wider than a test needs: two cores render it.
         size = {"width": 1440, "height": 900} if wide else {"width": 960, "height": 640}
         if small:
@@ -44,7 +44,7 @@ def visit(browser: Browser):
         if phone:
             size = {"width": 390, "height": 844}
         context = browser.new_context(viewport=size, color_scheme="dark" if dark else "light", is_mobile=phone,
-                                      has_touch=phone, device_scale_factor=2 if phone else 1, **more)
+                                      has_touch=phone or touch, device_scale_factor=2 if phone else 1, **more)
         contexts.append(context)
         page = context.new_page()
         page.set_default_timeout(PATIENCE_MS)

@@ -2,109 +2,18 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import dataclass
+import math
+import re
 from pathlib import Path
 
-import numpy as np
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import expect
 
+from fingers import Fingers
 from harness import REPO, TestStack
 from person import Person
+from slice_reader import PLANES, Reader, spots_of
 
 AXE = REPO / "frontend" / "node_modules" / "axe-core" / "axe.min.js"
-PLANES = ("axial", "sagittal", "coronal")
-
-
-@dataclass
-class Plane:
-    """Where the slices of one plane lie: from the volume's header alone, for volumes along the patient's axes."""
-
-    voxels: np.ndarray  # slice, row, column
-    width: float  # mm of a pixel
-    height: float
-
-    @staticmethod
-    def of(folder: Path) -> dict[str, Plane]:
-        header = json.loads((folder / "volume.json").read_text())
-        direction = np.array(header["direction"]).reshape(3, 3)
-        voxels = np.fromfile(folder / "voxels.i16", "<i2").reshape(header["size"][::-1]).transpose(2, 1, 0)  # x, y, z
-        order = [int(np.argmax(np.abs(direction[k]))) for k in range(3)]  # the voxel axis along each of the patient's
-        patient = voxels.transpose(order)
-        for k in range(3):
-            if direction[k][order[k]] < 0:
-                patient = np.flip(patient, k)
-        x, y, z = (header["spacing"][order[k]] for k in range(3))
-        return {"axial": Plane(patient.transpose(2, 1, 0), x, y), "coronal": Plane(np.flip(patient, 2).transpose(1, 2, 0), x, z),
-                "sagittal": Plane(np.flip(patient, 2).transpose(0, 2, 1), y, z)}
-
-    def per_mm(self, box: dict) -> float:
-        _, rows, columns = self.voxels.shape
-        return 0.94 * min(box["width"] / (columns * self.width), box["height"] / (rows * self.height))
-
-    def place(self, box: dict, column: int, row: int) -> tuple[float, float]:
-        """Of a pixel's middle in the view, CSS pixels."""
-        _, rows, columns = self.voxels.shape
-        mm = self.per_mm(box)
-        return (box["width"] / 2 + (column - (columns - 1) / 2) * self.width * mm, box["height"] / 2 + (row - (rows - 1) / 2) * self.height * mm)
-
-
-class Reader:
-    """Somebody before the slices of one scan."""
-
-    def __init__(self, stack: TestStack, page: Page, scan: str):
-        self.page = page
-        self.planes = Plane.of(stack.data_dir / "volumes" / scan)
-        page.goto(f"{stack.url}/view/{scan}")
-        expect(page.locator(".stage > canvas[data-samples]")).to_be_visible()
-
-    def pane(self, plane: str) -> Locator:
-        return self.page.locator(f".slice-pane[data-plane={plane}]")
-
-    def canvas(self, plane: str) -> Locator:
-        return self.pane(plane).locator("canvas")
-
-    def index(self, plane: str) -> int:
-        expect(self.canvas(plane)).to_have_attribute("data-came", "true")
-        return int(self.canvas(plane).get_attribute("data-index"))
-
-    def at(self, plane: str, column: int, row: int) -> tuple[float, float]:
-        """In the page."""
-        box = self.canvas(plane).bounding_box()
-        x, y = self.planes[plane].place(box, column, row)
-        return box["x"] + x, box["y"] + y
-
-    def grey(self, plane: str, column: int, row: int) -> list[int]:
-        x, y = self.planes[plane].place(self.canvas(plane).bounding_box(), column, row)
-        return self.canvas(plane).evaluate(
-            "(canvas, [x, y]) => [...canvas.getContext('2d').getImageData(x * devicePixelRatio, y * devicePixelRatio, 1, 1).data]", [x, y])
-
-    def set_window(self, centre: int, width: int) -> None:
-        for label, value in (("Centre", centre), ("Width", width)):
-            field = self.page.get_by_label(label, exact=True)
-            field.fill(str(value))
-            field.press("Enter")
-
-    def window(self) -> tuple[int, int]:
-        return tuple(int(self.page.get_by_label(label, exact=True).input_value()) for label in ("Centre", "Width"))
-
-    def says(self, plane: str, value: int) -> None:
-        expect(self.pane(plane).locator(".slice-value")).to_have_text(f"{value} HU".replace("-", "−"))
-
-    def shows_what_the_formula_says(self, plane: str, spots: list[tuple[int, int]]) -> None:
-        centre, width = self.window()
-        for column, row in spots:
-            value = int(self.planes[plane].voxels[self.index(plane), row, column])
-            expected = 255 * min(1, max(0, (value - centre) / width + 0.5))
-            red, green, blue, alpha = self.grey(plane, column, row)
-            assert red == green == blue and alpha == 255
-            assert abs(red - expected) <= 0.5, (plane, column, row, value, red, expected)
-
-
-def spots_of(plane: Plane, count: int) -> list[tuple[int, int]]:
-    random = np.random.default_rng(5)
-    _, rows, columns = plane.voxels.shape
-    return [(int(random.integers(columns)), int(random.integers(rows))) for _ in range(count)]
 
 
 def test_slices_show_the_voxels_of_the_file_and_the_crosshair_links_them(stack: TestStack, visit, cranium: Path, pictures: Path):
@@ -167,6 +76,73 @@ def test_slices_show_the_voxels_of_the_file_and_the_crosshair_links_them(stack: 
     page.mouse.wheel(0, 120)
     expect(reader.canvas("axial")).to_have_attribute("data-index", str(before + 1))
     reader.says("axial", int(reader.planes["axial"].voxels[before + 1, row, column]))
+    measured_by_mouse(reader)
+    one_alone_by_mouse(reader)
+
+
+def pixel_mm(reader: Reader, plane: str) -> float:
+    """Of a pixel of the screen: a mouse tells whole ones, so that each end is less than that beside what was aimed at."""
+    return 1 / reader.planes[plane].per_mm(reader.canvas(plane).bounding_box())
+
+
+def measured_by_mouse(reader: Reader) -> None:
+    page, sagittal = reader.page, reader.planes["sagittal"]
+    page.get_by_role("radio", name="Ruler").check()
+    page.mouse.move(*reader.at("sagittal", 5, 10))
+    page.mouse.down()
+    page.mouse.move(*reader.at("sagittal", 25, 10), steps=3)
+    page.mouse.up()
+    text = reader.pane("sagittal").locator(".slice-measure text")
+    expect(text).to_have_text(re.compile(r"^\d+\.\d mm$"))
+    # Along the line one pixel at most, across it hardly anything; and it is told in tenths.
+    length, pixel = 20 * sagittal.width, pixel_mm(reader, "sagittal")
+    bound = math.hypot(length + pixel, pixel) - length + 0.05
+    assert abs(float(text.text_content().split()[0]) - length) <= bound, (text.text_content(), length, bound)
+
+    page.get_by_role("radio", name="Angle").check()
+    spots = ((5, 5), (30, 5), (30, 25))
+    for spot in spots:
+        page.mouse.click(*reader.at("axial", *spot))
+    text = reader.pane("axial").locator(".slice-measure text")
+    expect(text).to_have_text(re.compile(r"^\d+\.\d°$"))
+    # Either end of an arm less than a pixel beside where it should be, across it.
+    axial, pixel = reader.planes["axial"], pixel_mm(reader, "axial")
+    bound = math.degrees(math.atan(pixel / (25 * axial.width - pixel)) + math.atan(pixel / (20 * axial.height - pixel))) + 0.05
+    assert abs(float(text.text_content()[:-1]) - 90) <= bound, (text.text_content(), bound)
+    # Of another slice it is not; back there it is.
+    page.mouse.wheel(0, 120)
+    expect(reader.pane("axial").locator(".slice-measure")).to_have_count(0)
+    page.mouse.wheel(0, -120)
+    expect(reader.pane("axial").locator(".slice-measure")).to_have_count(1)
+    page.get_by_role("button", name="Remove the last measure").click()
+    expect(reader.pane("axial").locator(".slice-measure")).to_have_count(0)
+
+
+def one_alone_by_mouse(reader: Reader) -> None:
+    """A double click, and back; what was set stays."""
+    page, window = reader.page, reader.window()
+    page.get_by_role("radio", name="Window").check()
+    page.mouse.dblclick(*reader.at("axial", 20, 20))
+    expect(page.locator(".slice-pane")).to_have_count(1)
+    expect(page.locator(".stage > canvas")).to_be_hidden()
+    reader.shows_what_the_formula_says("axial", spots_of(reader.planes["axial"], 6))
+    page.mouse.dblclick(*reader.at("axial", 20, 20))
+    expect(page.locator(".slice-pane")).to_have_count(3)
+    assert reader.window() == window
+    expect(page.locator(".stage > canvas")).to_be_visible()
+    # Moved with the middle button, and nearer with the right one: what lies under the hand stays there.
+    x, y = reader.at("coronal", 30, 20)
+    page.mouse.move(x, y)
+    page.mouse.down(button="middle")
+    page.mouse.move(x + 40, y + 20, steps=4)
+    page.mouse.up(button="middle")
+    page.mouse.down(button="right")
+    page.mouse.move(x + 40, y - 40, steps=4)
+    page.mouse.up(button="right")
+    page.mouse.move(x + 40, y + 20)
+    reader.says("coronal", int(reader.planes["coronal"].voxels[reader.index("coronal"), 20, 30]))
+    page.get_by_role("button", name="Reset the slices").click()
+    reader.shows_what_the_formula_says("coronal", spots_of(reader.planes["coronal"], 6))
 
 
 def test_keys_alone_read_slices_and_a_checker_finds_no_fault(stack: TestStack, visit, cranium: Path):
@@ -236,7 +212,41 @@ def test_on_a_phone_slices_come_one_at_a_time(stack: TestStack, visit, cranium: 
     page.get_by_role("radio", name="Sagittal").check()
     expect(reader.canvas("sagittal")).to_have_attribute("data-index", "20")
     reader.shows_what_the_formula_says("sagittal", spots_of(reader.planes["sagittal"], 6))
+    read_by_fingers(reader)
     page.get_by_role("radio", name="3D").check()
     expect(page.locator(".slice-pane")).to_have_count(0)
     expect(page.locator(".stage > canvas")).to_be_visible()
     page.screenshot(path=pictures / "phone-3d.png")
+
+
+def read_by_fingers(reader: Reader) -> None:
+    """One makes it darker, two move it and bring it nearer, three go through the slices."""
+    page, plane = reader.page, reader.planes["sagittal"]
+    fingers = Fingers(page)
+    _, rows, columns = plane.voxels.shape
+    spot = (columns // 2, rows // 2)
+    x, y = reader.at("sagittal", *spot)
+    page.get_by_role("radio", name="Window").check()
+    centre, width = reader.window()
+    fingers.drag([((x, y), (x + 30, y + 40))])
+    assert reader.window()[0] < centre and reader.window()[1] > width
+    reader.shows_what_the_formula_says("sagittal", spots_of(plane, 6))
+
+    before = reader.index("sagittal")
+    fingers.drag([((x + right, y), (x + right, y + 66)) for right in (-40, 0, 40)])
+    expect(reader.canvas("sagittal")).to_have_attribute("data-index", str(before + 5))  # 12 pixels each
+    reader.shows_what_the_formula_says("sagittal", spots_of(plane, 6))
+
+    reader.set_window(30, 120)  # in which the voxels there are of many greys
+    # Both 50 px to the right: so is what they lie on. Then twice as far apart, about a voxel that stays where it is.
+    fingers.drag([((x - 20, y), (x + 30, y)), ((x + 20, y), (x + 70, y))])
+    fingers.drag([((x + 30, y), (x + 10, y)), ((x + 70, y), (x + 90, y))])
+    grown = 2 * plane.per_mm(reader.canvas("sagittal").bounding_box())
+    box = reader.canvas("sagittal").bounding_box()
+    index, (window_centre, window_width) = reader.index("sagittal"), reader.window()
+    for column in range(spot[0] - 8, spot[0] + 9, 4):
+        for row in range(spot[1] - 6, spot[1] + 7, 3):
+            at = (x + 50 - box["x"] + (column - spot[0]) * plane.width * grown, y - box["y"] + (row - spot[1]) * plane.height * grown)
+            value = int(plane.voxels[index, row, column])
+            expected = 255 * min(1, max(0, (value - window_centre) / window_width + 0.5))
+            assert abs(reader.grey_at("sagittal", *at) - expected) <= 0.5, (column, row, value)

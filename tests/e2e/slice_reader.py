@@ -1,0 +1,108 @@
+"""Slices beside the picture as a browser shows them, held against the stored voxels by numpy."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from playwright.sync_api import Locator, Page, expect
+
+from harness import TestStack
+
+PLANES = ("axial", "sagittal", "coronal")
+
+
+@dataclass
+class Plane:
+    """Where the slices of one plane lie: from the volume's header alone, for volumes along the patient's axes."""
+
+    voxels: np.ndarray  # slice, row, column
+    width: float  # mm of a pixel
+    height: float
+
+    @staticmethod
+    def of(folder: Path) -> dict[str, Plane]:
+        header = json.loads((folder / "volume.json").read_text())
+        direction = np.array(header["direction"]).reshape(3, 3)
+        voxels = np.fromfile(folder / "voxels.i16", "<i2").reshape(header["size"][::-1]).transpose(2, 1, 0)  # x, y, z
+        order = [int(np.argmax(np.abs(direction[k]))) for k in range(3)]  # the voxel axis along each of the patient's
+        patient = voxels.transpose(order)
+        for k in range(3):
+            if direction[k][order[k]] < 0:
+                patient = np.flip(patient, k)
+        x, y, z = (header["spacing"][order[k]] for k in range(3))
+        return {"axial": Plane(patient.transpose(2, 1, 0), x, y), "coronal": Plane(np.flip(patient, 2).transpose(1, 2, 0), x, z),
+                "sagittal": Plane(np.flip(patient, 2).transpose(0, 2, 1), y, z)}
+
+    def per_mm(self, box: dict) -> float:
+        _, rows, columns = self.voxels.shape
+        return 0.94 * min(box["width"] / (columns * self.width), box["height"] / (rows * self.height))
+
+    def place(self, box: dict, column: int, row: int) -> tuple[float, float]:
+        """Of a pixel's middle in the view, CSS pixels."""
+        _, rows, columns = self.voxels.shape
+        mm = self.per_mm(box)
+        return (box["width"] / 2 + (column - (columns - 1) / 2) * self.width * mm, box["height"] / 2 + (row - (rows - 1) / 2) * self.height * mm)
+
+
+class Reader:
+    """Somebody before the slices of one scan."""
+
+    def __init__(self, stack: TestStack, page: Page, scan: str):
+        self.page = page
+        self.planes = Plane.of(stack.data_dir / "volumes" / scan)
+        page.goto(f"{stack.url}/view/{scan}")
+        expect(page.locator(".stage > canvas[data-samples]")).to_be_visible()
+
+    def pane(self, plane: str) -> Locator:
+        return self.page.locator(f".slice-pane[data-plane={plane}]")
+
+    def canvas(self, plane: str) -> Locator:
+        return self.pane(plane).locator("canvas")
+
+    def index(self, plane: str) -> int:
+        expect(self.canvas(plane)).to_have_attribute("data-came", "true")
+        return int(self.canvas(plane).get_attribute("data-index"))
+
+    def at(self, plane: str, column: int, row: int) -> tuple[float, float]:
+        """In the page."""
+        box = self.canvas(plane).bounding_box()
+        x, y = self.planes[plane].place(box, column, row)
+        return box["x"] + x, box["y"] + y
+
+    def pixel(self, plane: str, x: float, y: float) -> list[int]:
+        """RGBA at a place of the view, CSS pixels."""
+        return self.canvas(plane).evaluate(
+            "(canvas, [x, y]) => [...canvas.getContext('2d').getImageData(x * devicePixelRatio, y * devicePixelRatio, 1, 1).data]", [x, y])
+
+    def grey_at(self, plane: str, x: float, y: float) -> int:
+        return self.pixel(plane, x, y)[0]
+
+    def set_window(self, centre: int, width: int) -> None:
+        for label, value in (("Centre", centre), ("Width", width)):
+            field = self.page.get_by_label(label, exact=True)
+            field.fill(str(value))
+            field.press("Enter")
+
+    def window(self) -> tuple[int, int]:
+        return tuple(int(self.page.get_by_label(label, exact=True).input_value()) for label in ("Centre", "Width"))
+
+    def says(self, plane: str, value: int) -> None:
+        expect(self.pane(plane).locator(".slice-value")).to_have_text(f"{value} HU".replace("-", "−"))
+
+    def shows_what_the_formula_says(self, plane: str, spots: list[tuple[int, int]]) -> None:
+        centre, width = self.window()
+        for column, row in spots:
+            value = int(self.planes[plane].voxels[self.index(plane), row, column])
+            expected = 255 * min(1, max(0, (value - centre) / width + 0.5))
+            red, green, blue, alpha = self.pixel(plane, *self.planes[plane].place(self.canvas(plane).bounding_box(), column, row))
+            assert red == green == blue and alpha == 255
+            assert abs(red - expected) <= 0.5, (plane, column, row, value, red, expected)
+
+
+def spots_of(plane: Plane, count: int) -> list[tuple[int, int]]:
+    random = np.random.default_rng(5)
+    _, rows, columns = plane.voxels.shape
+    return [(int(random.integers(columns)), int(random.integers(rows))) for _ in range(count)]
