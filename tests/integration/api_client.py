@@ -102,7 +102,7 @@ class Person:
 
     def sign_up(self) -> "Person":
         forget_attempts(self.stack)
-        answer = self.http.post("/v1/accounts", json={"email": self.email, "password": PASSWORD})
+        answer = self.shows_password("/v1/accounts", {"email": self.email, "password": PASSWORD})
         assert answer.status_code == 202, answer.text
         token = link_token(self.stack, self.email)
         assert self.http.post("/v1/accounts/verify", json={"token": token}).status_code == 204
@@ -110,7 +110,7 @@ class Person:
 
     def sign_in(self) -> "Person":
         given = {"email": self.email, "password": PASSWORD, **({"code": self.device.code()} if self.device else {})}
-        answer = self.http.post("/v1/sign-in", json=given)
+        answer = self.shows_password("/v1/sign-in", given)
         assert answer.status_code == 200, answer.text
         self.csrf = answer.json()["csrf_token"]
         self.http.headers["X-CSRF-Token"] = self.csrf
@@ -126,16 +126,32 @@ class Person:
 
     def sets_up_second_factor(self) -> list[str]:
         """The recovery codes. All other browsers of the person are signed out."""
-        for _ in range(100):
-            answer = self.http.post("/v1/me/second-factor", json={"password": PASSWORD})
-            if answer.status_code != 503:
-                break
-            time.sleep(0.2)  # so many passwords are checked at the same time that this one has to come again
-        assert answer.status_code == 201, answer.text
-        self.device = Device(answer.json()["secret"])
+        self.begins_second_factor()
+        assert self.device
         answer = self.http.post("/v1/me/second-factor/confirm", json={"code": self.device.code()})
         assert answer.status_code == 200, answer.text
         return answer.json()["recovery_codes"]
+
+    def begins_second_factor(self) -> None:
+        answer = self.shows_password("/v1/me/second-factor", {"password": PASSWORD})
+        assert answer.status_code == 201, answer.text
+        self.device = Device(answer.json()["secret"])
+
+    def removes_second_factor(self) -> None:
+        assert self.device
+        given = {"password": PASSWORD, "code": self.device.code()}
+        answer = self.shows_password("/v1/me/second-factor/removal", given)
+        assert answer.status_code == 204, answer.text
+        self.device = None
+
+    def shows_password(self, path: str, given: dict) -> httpx.Response:
+        """Comes again while so many passwords are checked that this one is sent away."""
+        for _ in range(100):
+            answer = self.http.post(path, json=given)
+            if answer.status_code != 503:
+                break
+            time.sleep(0.2)
+        return answer
 
     def is_no_administrator(self) -> None:
         self.stack.psql("UPDATE users SET is_administrator = false WHERE email = %s", self.email)

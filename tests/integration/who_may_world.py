@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Callable
 
 import httpx
-from api_client import CONTRACT, PASSWORD, Device, Person, add_worker, client, make_ready, person
+from api_client import CONTRACT, PASSWORD, Person, add_worker, client, make_ready, person
 from cut_help import KEEP, store
 from harness import TestStack
 
@@ -303,7 +303,7 @@ def begin_second_factor(world: World, who: Person) -> None:
     """Begun, not confirmed."""
     without_second_factor(world, who)
     if signed_in(who):
-        who.device = Device(who.http.post("/v1/me/second-factor", json={"password": PASSWORD}).json()["secret"])
+        who.begins_second_factor()
 
 
 def with_second_factor(world: World, who: Person) -> None:
@@ -314,9 +314,7 @@ def with_second_factor(world: World, who: Person) -> None:
 def without_second_factor(world: World, who: Person) -> None:
     """Also an administrator, whose role opens nothing then."""
     if signed_in(who) and who.device is not None:
-        given = {"password": PASSWORD, "code": who.device.code()}
-        assert who.http.post("/v1/me/second-factor/removal", json=given).status_code == 204
-        who.device = None
+        who.removes_second_factor()
 
 
 #: What is true before the question.
