@@ -11,7 +11,7 @@
 namespace diaphane::render::cli {
 namespace {
 
-constexpr std::uint32_t kLongestSide = kLongestCanvas;
+constexpr std::uint32_t kLongestSide = 8192;
 constexpr std::uint32_t kDefaultSamples = 64;
 
 constexpr const char* kAbout =

@@ -77,7 +77,7 @@ __device__ __forceinline__ HitTask task_of_record(const SceneView<TextureVolume>
   Crossing way;
   const Corners corners = cell_between(scene, camera.ray, record.a, record.b, way);
   const float t = place_in_cell<F.has(Feature::kCurves)>(corners, way, scene.exact, record.c);
-  const std::uint32_t pixel = at.x + scene.width * at.y;
+  const std::uint32_t pixel = scene.pixel(at.x, at.y);
   const std::uint64_t sample = scene.numbers.of(at.sample);
   const Points points(scene.stream, pixel, sample);
   const Random random(scene.seed, pixel, scene.first_sample + sample);

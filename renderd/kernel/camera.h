@@ -22,7 +22,7 @@ HOST_DEVICE CameraRay camera_ray(const SceneView<Volume>& scene, float x, float 
                                  [[maybe_unused]] Random::Pair lens = {0.5f, 0.5f}) {
   const CameraView& c = scene.camera;
   const float a = 2.0f * x / static_cast<float>(scene.width) - 1.0f;
-  const float b = 1.0f - 2.0f * y / static_cast<float>(scene.height);
+  const float b = 1.0f - 2.0f * y / static_cast<float>(scene.picture_height);
   const Float3 aside = c.right * a + c.up * b;
   Float3 start = c.start + aside * c.near;
   Float3 along = c.forward;

@@ -123,12 +123,12 @@ HOST_DEVICE Float3 path_onwards(const SceneView<Volume>& scene, Float3 place, Sc
   }
 }
 
-/// One unbiased estimate of the radiance through pixel (x, y) by tracking. `sample` counts the
-/// samples of the film, from 0. The pixel is a box filter.
+/// One unbiased estimate of the radiance through the film's pixel (x, y) by tracking. `sample`
+/// counts the samples of the film, from 0. The pixel is a box filter.
 template <Features F, typename Volume>
 HOST_DEVICE SampleOf<F> estimate(const SceneView<Volume>& scene, std::uint32_t x, std::uint32_t y,
                                  std::uint64_t sample) {
-  const std::uint32_t pixel = x + scene.width * y;
+  const std::uint32_t pixel = scene.pixel(x, y);
   const std::uint64_t number = scene.numbers.of(sample);
   Random random(scene.seed, pixel, scene.first_sample + number);
   const Points points(scene.stream, pixel, number);
@@ -139,7 +139,7 @@ HOST_DEVICE SampleOf<F> estimate(const SceneView<Volume>& scene, std::uint32_t x
   Random::Pair lens{0.5f, 0.5f};
   if constexpr (F.has(Feature::kLens)) lens = pair(Points::kLens);
   const CameraRay camera = camera_ray<F>(scene, static_cast<float>(x) + jitter.a,
-                                         static_cast<float>(y) + jitter.b, lens);
+                                         static_cast<float>(scene.first_row + y) + jitter.b, lens);
   const Sight sight = sight_along<F>(scene, camera);
   const Span span = sight.span;
   SampleOf<F> result{};

@@ -14,8 +14,8 @@ struct CameraSample {
 
   HOST_DEVICE CameraSample(const SceneView<Volume>& scene, std::uint32_t x, std::uint32_t y,
                            std::uint64_t sample)
-      : points(scene.stream, x + scene.width * y, scene.numbers.of(sample)),
-        random(scene.seed, x + scene.width * y, scene.first_sample + scene.numbers.of(sample)) {
+      : points(scene.stream, scene.pixel(x, y), scene.numbers.of(sample)),
+        random(scene.seed, scene.pixel(x, y), scene.first_sample + scene.numbers.of(sample)) {
     const auto pair = [&](Points::Use use) {
       return scene.independent_points ? random.two() : points.pair(use);
     };
@@ -23,7 +23,7 @@ struct CameraSample {
     Random::Pair lens{0.5f, 0.5f};
     if constexpr (F.has(Feature::kLens)) lens = pair(Points::kLens);
     camera = camera_ray<F>(scene, static_cast<float>(x) + jitter.a,
-                           static_cast<float>(y) + jitter.b, lens);
+                           static_cast<float>(scene.first_row + y) + jitter.b, lens);
     sight = sight_along<F>(scene, camera);
   }
 };

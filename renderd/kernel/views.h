@@ -261,10 +261,11 @@ struct SceneView {
   /// mm: a place where the extinction has the gradient G is a surface with probability
   /// 1 - exp(-|G| surfaces), G per mm^2. 0: never, infinity: wherever there is a gradient.
   float surfaces;
-  std::uint32_t bounces;  ///< collisions of a path at most, from 1
-  bool roulette;          ///< paths of little weight may end early; unbiased either way
-  Float3 escape;          ///< radiance of a camera ray that leaves the volume
-  std::uint32_t width, height;
+  std::uint32_t bounces;        ///< collisions of a path at most, from 1
+  bool roulette;                ///< paths of little weight may end early; unbiased either way
+  Float3 escape;                ///< radiance of a camera ray that leaves the volume
+  std::uint32_t width, height;  ///< of the film
+  std::uint32_t first_row, picture_height;  ///< of the picture that the film is a band of
   std::uint64_t seed;
   std::uint64_t first_sample;  ///< of the random stream: keeps the samples of devices apart
   std::uint64_t stream;        ///< of the low-discrepancy points: a hash of the two above
@@ -272,6 +273,11 @@ struct SceneView {
   Mis mis;
   Walk walk;
   SampleNumbers numbers;
+
+  /// In the picture that the film is a band of: what a pixel's random numbers follow from.
+  HOST_DEVICE std::uint32_t pixel(std::uint32_t x, std::uint32_t y) const {
+    return x + width * (first_row + y);
+  }
 };
 
 }  // namespace diaphane::render

@@ -38,7 +38,7 @@ CameraView prepare_camera(const diaphane::v1::Camera& camera, const CameraAxes& 
   const double half_height = parallel
                                  ? camera.orthographic_height() / 2
                                  : std::tan(camera.vertical_fov_degrees() * std::numbers::pi / 360);
-  const double aspect = static_cast<double>(canvas.width) / canvas.height;
+  const double aspect = static_cast<double>(canvas.width) / canvas.picture_height();
   CameraView view{};
   view.start = to_float(eye + forward * depth);
   view.forward = to_float(forward);

@@ -96,9 +96,9 @@ Result<PreparedScene> prepare_scene(const diaphane::v1::Scene& scene, Canvas can
                                     const PreparedScene* before,
                                     const diaphane::v1::Scene* before_scene) {
   if (auto checked = check_scene(scene); !checked) return tl::unexpected(checked.error());
-  if (canvas.width == 0 || canvas.height == 0 || canvas.width > kLongestCanvas ||
-      canvas.height > kLongestCanvas) {
-    return fail(ErrorCode::kInvalid, "a picture has 1 to 8192 pixels each way", "canvas");
+  if (!is_sound(canvas)) {
+    return fail(ErrorCode::kInvalid, "a picture has 1 to 16384 pixels each way, 2^26 in all",
+                "canvas");
   }
   const WorldToFrame frame(header);
   const CameraAxes axes(scene.camera());

@@ -142,6 +142,8 @@ SceneView<Volume> view_of(const PreparedScene& scene, const Volume& volume, cons
                            .escape = scene.escape,
                            .width = scene.canvas.width,
                            .height = scene.canvas.height,
+                           .first_row = scene.canvas.first_row,
+                           .picture_height = scene.canvas.picture_height(),
                            .seed = seed,
                            .first_sample = first_sample,
                            .stream = mix64(seed + mix64(first_sample)),

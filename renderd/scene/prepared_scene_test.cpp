@@ -117,7 +117,9 @@ TEST(PreparedScene, LeavesOutWhatTheSceneDoesNotNeed) {
 TEST(PreparedScene, RefusesAPictureWithoutSize) {
   const volume::Volume v = test::skull_volume();
   const ValueGrid grid = make_value_grid(v.voxels, size_of(v.header));
-  for (const Canvas canvas : {Canvas{0, 10}, Canvas{10, 0}, Canvas{8193, 10}}) {
+  for (const Canvas canvas :
+       {Canvas{0, 10}, Canvas{10, 0}, Canvas{16385, 10}, Canvas{8193, 8192}, Canvas{10, 10, 11, 20},
+        Canvas{10, 10, 1, 0}, Canvas{10, 10, 0, 16385}}) {
     const auto p = prepare_scene(test::skull_scene(), canvas, v.header, grid);
     ASSERT_FALSE(p);
     EXPECT_EQ(p.error().field, "canvas");

@@ -17,8 +17,9 @@ constexpr std::uint32_t kMostParts = 4096;
 constexpr std::uint64_t kMostSequences = 1 << 20;
 
 Result<AssistTask> task_of(const v1::AssistTask& message) {
-  if (message.width() == 0 || message.height() == 0 || message.width() > kLongestCanvas ||
-      message.height() > kLongestCanvas) {
+  const Canvas canvas{message.width(), message.height(), message.picture_row(),
+                      message.picture_height()};
+  if (!is_sound(canvas)) {
     return fail(ErrorCode::kInvalid, "A picture of this size is none.", "width");
   }
   const std::uint32_t last = std::min(message.last_row(), message.height());
@@ -35,7 +36,7 @@ Result<AssistTask> task_of(const v1::AssistTask& message) {
   AssistTask task;
   task.epoch = message.epoch();
   task.scene = std::make_shared<const v1::Scene>(message.scene());
-  task.canvas = {message.width(), message.height()};
+  task.canvas = canvas;
   task.share = {message.first_row(), last, message.part(), message.parts(), message.sequence()};
   return task;
 }

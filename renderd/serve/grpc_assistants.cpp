@@ -32,6 +32,8 @@ v1::AssistRequest request_of(const AssistTask& task) {
   *message.mutable_scene() = *task.scene;
   message.set_width(task.canvas.width);
   message.set_height(task.canvas.height);
+  message.set_picture_row(task.canvas.first_row);
+  message.set_picture_height(task.canvas.whole_height);
   message.set_first_row(task.share.first_row);
   message.set_last_row(task.share.last_row);
   message.set_part(task.share.part);
