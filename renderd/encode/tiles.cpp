@@ -1,6 +1,5 @@
 #include "renderd/encode/tiles.h"
 
-#include <png.h>
 #include <sodium.h>
 #include <webp/encode.h>
 
@@ -8,6 +7,7 @@
 #include <array>
 #include <memory>
 
+#include "renderd/encode/png_rows.h"
 #include "renderd/encode/tile_codecs.h"
 
 namespace diaphane::render {
@@ -32,12 +32,6 @@ std::string sha256(const std::string& bytes) {
   return {reinterpret_cast<const char*>(hash.data()), hash.size()};
 }
 
-struct FreePng {
-  png_structp png = nullptr;
-  png_infop info = nullptr;
-  ~FreePng() { png_destroy_write_struct(&png, &info); }
-};
-
 }  // namespace
 
 std::vector<Tile> plan_tiles(Canvas size) {
@@ -52,33 +46,13 @@ std::vector<Tile> plan_tiles(Canvas size) {
 }
 
 Result<std::string> encode_png(const std::string& rgb, Canvas size, int level) {
-  std::string file;
-  FreePng made;
-  made.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
-  if (made.png) made.info = png_create_info_struct(made.png);
-  if (!made.info) return fail(ErrorCode::kOutOfMemory, "No memory to code a picture.");
-  // libpng leaves by longjmp: nothing with a destructor is made below.
-  if (setjmp(png_jmpbuf(made.png)) != 0) {
-    return fail(ErrorCode::kInternal, "A picture could not be coded as PNG.");
-  }
-  png_set_write_fn(
-      made.png, &file,
-      [](png_structp png, png_bytep data, png_size_t bytes) {
-        static_cast<std::string*>(png_get_io_ptr(png))
-            ->append(reinterpret_cast<const char*>(data), bytes);
-      },
-      nullptr);
-  png_set_IHDR(made.png, made.info, size.width, size.height, 8, PNG_COLOR_TYPE_RGB,
-               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_set_compression_level(made.png, level);
-  png_set_filter(made.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_PAETH);
-  png_write_info(made.png, made.info);
-  const auto* row = reinterpret_cast<png_const_bytep>(rgb.data());
-  for (std::uint32_t y = 0; y < size.height; ++y, row += std::size_t{3} * size.width) {
-    png_write_row(made.png, row);
-  }
-  png_write_end(made.png, made.info);
-  return file;
+  auto rows = make_png_rows(size, level);
+  if (!rows) return tl::unexpected(rows.error());
+  auto file = (*rows)->add({reinterpret_cast<const std::uint8_t*>(rgb.data()), rgb.size()});
+  if (!file) return file;
+  auto end = (*rows)->finish();
+  if (end) *file += *end;
+  return end ? file : end;
 }
 
 Result<std::string> encode_webp(const std::string& rgb, Canvas size, int level) {

@@ -12,11 +12,6 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-// The stills' time for each second that sessions rendered: little while somebody drags, else a
-// third of the device. By time, not by turns: a sample of a large canvas on a slow device takes a
-// second, and a turn of 30 ms between two of them would let a thumbnail wait for a minute.
-constexpr double kStillShareMoving = 1.0 / 16;
-constexpr double kStillShare = 0.5;
 constexpr double kLongestStillSeconds = 0.25;
 
 }  // namespace
@@ -115,10 +110,8 @@ void Runner::adopt() {
   for (auto& track : arriving_) tracks_.push_back(std::move(track));
   arriving_.clear();
   for (StillJob& job : arriving_stills_) {
-    const auto before = job.background
-                            ? stills_.end()
-                            : std::find_if(stills_.begin(), stills_.end(),
-                                           [](const auto& still) { return still->job.background; });
+    const auto before = std::find_if(stills_.begin(), stills_.end(),
+                                     [&](const auto& still) { return still->job.rank > job.rank; });
     stills_.insert(before, std::make_shared<Still>(Still{std::move(job)}));
   }
   arriving_stills_.clear();
@@ -221,8 +214,11 @@ std::vector<SessionView> Runner::look() {
     views.push_back(track->seen);
   }
   error_ = error;
-  const bool in_background = !stills_.empty() && stills_.front()->job.background;
-  still_share_ = moving > 0 || in_background ? kStillShareMoving : kStillShare;
+  moving_ = moving;
+  hold_files_ = !still_may_run(StillRank::kFile, moving);
+  drop_cancelled_stills();
+  still_share_ =
+      still_share(stills_.empty() ? StillRank::kAwaited : stills_.front()->job.rank, moving);
   const std::lock_guard lock(mutex_);
   costs_.moving_sessions = moving;
   return views;
@@ -407,6 +403,7 @@ void Runner::show(Turn& turn, const EmissionQuestion& question) {
     ledger.shown(own, costs_, start);
   }
   track.client->picture(std::move(rendered));
+  if (ledger.wanted().kernel_report) track.client->kernel(track.renderer->report());
 }
 
 void Runner::drop(Track& track, const Error& why) {

@@ -17,6 +17,7 @@
 #include "renderd/schedule/ledger.h"
 #include "renderd/schedule/policy.h"
 #include "renderd/schedule/signs.h"
+#include "renderd/schedule/still_turns.h"
 #include "renderd/session/wanted.h"
 
 namespace diaphane::render {
@@ -28,15 +29,17 @@ struct StillJob {
   std::uint32_t samples = 1;
   /// Estimated, at which the picture is good enough before it has all samples; 0: never.
   double error = 0;
-  /// Behind all that are not, also when it came before them; and beside sessions that render it
-  /// has as little as while somebody drags.
-  bool background = false;
-  std::unique_ptr<FrameRenderer> renderer;
+  StillRank rank = StillRank::kAwaited;
+  bool smoothed = false;  ///< as the first pictures of a session are
+  /// Its submitter may use it again in `done`, or after it.
+  std::shared_ptr<FrameRenderer> renderer;
   /// When somebody must have the picture: it is given with the samples that it has by then, one at
   /// least. Otherwise a busy device would begin it anew with each request and never end it.
   std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max();
-  /// Asked between quanta: nobody waits for it any more.
+  /// Asked between quanta and within: nobody waits for it any more.
   std::function<bool()> cancelled;
+  /// What it took of the device: after each quantum, from a lane's thread.
+  std::function<void(double seconds)> took;
   /// Called once from the runner's thread, unless it was cancelled.
   std::function<void(Result<PictureRgb8>, double error)> done;
 };
@@ -108,6 +111,7 @@ class Runner {
   std::vector<SessionView> look();
   void begin(std::unique_ptr<Turn> turn);
   bool begin_still();
+  void drop_cancelled_stills();
 
   // In a lane.
   void carry_out(Turn& turn, Signs::Work& signs);
@@ -141,12 +145,14 @@ class Runner {
   RunnerTimes spent_;
   std::atomic<bool> stopping_{false};
   std::atomic<double> error_{0};
+  std::atomic<bool> hold_files_{false};  // a hand moves
   Signs signs_;
 
   // Of the thread alone.
   std::vector<std::shared_ptr<Track>> tracks_;
   std::deque<std::shared_ptr<Still>> stills_;
   bool still_under_way_ = false;
+  std::size_t moving_ = 0;  // sessions
   std::uint64_t last_ = 0;  // whose quantum was begun last
   double still_share_ = 0;
   double still_seconds_due_ = 0;  // of the device, to the stills

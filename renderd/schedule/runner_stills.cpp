@@ -5,12 +5,17 @@
 
 namespace diaphane::render {
 
+// Each holds a film's memory.
+void Runner::drop_cancelled_stills() {
+  if (still_under_way_) return;
+  std::erase_if(stills_,
+                [](const auto& still) { return still->job.cancelled && still->job.cancelled(); });
+}
+
 bool Runner::begin_still() {
   if (still_under_way_) return false;
-  while (!stills_.empty() && stills_.front()->job.cancelled && stills_.front()->job.cancelled()) {
-    stills_.pop_front();
-  }
-  if (stills_.empty()) return false;
+  drop_cancelled_stills();
+  if (stills_.empty() || !still_may_run(stills_.front()->job.rank, moving_)) return false;
   auto turn = std::make_unique<Turn>();
   turn->still = stills_.front();
   // One sample, then as many as fit what is due at the speed seen so far.
@@ -27,7 +32,9 @@ bool Runner::begin_still() {
 void Runner::carry_out_still(Turn& turn, Signs::Work& signs) {
   StillJob& job = turn.still->job;
   const Time start = clock_.now();
+  const double before = own_seconds();
   if (turn.still->samples == 0) {
+    job.renderer->prepare_denoising(job.smoothed);
     if (const auto taken = job.renderer->set_scene(*job.scene, job.canvas); !taken) {
       turn.failed = taken.error();
       return;
@@ -35,9 +42,11 @@ void Runner::carry_out_still(Turn& turn, Signs::Work& signs) {
   }
   const auto batch = job.renderer->render(turn.samples, [&] {
     signs.alive();
-    return stopping_.load();
+    return stopping_ || (job.rank == StillRank::kFile && hold_files_) ||
+           (job.cancelled && job.cancelled());
   });
   turn.render_seconds = seconds_between(start, clock_.now());
+  if (batch && job.took) job.took(own_seconds() - before + batch->helped_seconds);
   if (!batch) {
     turn.failed = batch.error();
     return;
@@ -48,8 +57,8 @@ void Runner::carry_out_still(Turn& turn, Signs::Work& signs) {
 // The picture is made here: a thumbnail's takes next to nothing.
 void Runner::settle_still(Turn& turn) {
   still_under_way_ = false;
-  still_seconds_due_ = std::max(0.0, still_seconds_due_ - turn.render_seconds);
   StillJob& job = turn.still->job;
+  still_seconds_due_ = still_due_after(job.rank, still_seconds_due_, turn.render_seconds);
   const auto end = [&](Result<PictureRgb8> picture, double error) {
     job.done(std::move(picture), error);
     std::erase(stills_, turn.still);  // one that goes before it may have come meanwhile
@@ -65,7 +74,10 @@ void Runner::settle_still(Turn& turn) {
   const bool good = job.error > 0 && job.renderer->progress().error <= job.error;
   if (turn.still->samples < job.samples && !late && !good) return;
   PictureRgb8 picture;
-  if (const auto shown = job.renderer->display(picture); !shown) {
+  const Result<bool> shown = job.smoothed
+                                 ? job.renderer->display_denoised(picture)
+                                 : job.renderer->display(picture).map([] { return false; });
+  if (!shown) {
     end(tl::unexpected(shown.error()), 0);
   } else {
     end(std::move(picture), job.renderer->progress().error);

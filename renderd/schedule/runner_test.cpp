@@ -410,7 +410,7 @@ TEST_F(RunnerTest, AStillInTheBackgroundGoesBehindThoseThatCameLater) {
   std::promise<double> later, sooner;
   auto ended_later = later.get_future(), ended_sooner = sooner.get_future();
   StillJob background = still_job(device, later);
-  background.background = true;
+  background.rank = StillRank::kBackground;
   background.samples = 1000;
   runner.submit(std::move(background));
   ASSERT_TRUE(eventually([&] { return device->samples > 0; })) << "it is under way";

@@ -115,10 +115,14 @@ void LiveSession::receive(std::uint64_t connection, const std::string& bytes) {
     lock.unlock();
     return receive_slices(connection, message.slices());
   }
+  if (message.has_key_view() || message.has_file() || message.has_file_taken()) {
+    lock.unlock();
+    return receive_file(connection, message);
+  }
   if (const auto own = branches_.find(connection); own != branches_.end()) {
     // What concerns the pictures is said to the session that he looks at.
     if (message.has_scene() || message.has_ack() || message.has_need_key() ||
-        message.has_visibility() || message.has_depth_query()) {
+        message.has_visibility() || message.has_depth_query() || message.has_kernel()) {
       const OwnCamera camera = own->second;
       lock.unlock();
       return camera.session->receive(camera.connection, bytes);
@@ -175,6 +179,7 @@ void LiveSession::end(const Error& why) {
     while (!links_.empty()) finish_link(links_.begin()->first, why, true);
     handle = std::exchange(runner_handle_, 0);
     voxels_.reset();
+    give_up_file();
   }
   for (const auto& branch : branches) branch->dismiss();
   if (handle != 0) parts_.runner.remove(handle);
@@ -407,6 +412,7 @@ void LiveSession::finish_link(std::uint64_t connection, const Error& why, bool w
 
 void LiveSession::leave(std::uint64_t connection) {
   render::detach(state_, connection, parts_.clock.now());
+  if (file_ && file_->connection == connection) give_up_file();
   if (state_.audience.receivers.empty()) voxels_.reset();
   close_unused_lanes();
   tell_audience();

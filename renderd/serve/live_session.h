@@ -14,6 +14,7 @@
 #include "renderd/encode/encode_lane.h"
 #include "renderd/encode/tile_source.h"
 #include "renderd/schedule/runner.h"
+#include "renderd/serve/file_work.h"
 #include "renderd/serve/metrics.h"
 #include "renderd/serve/spent_time.h"
 #include "renderd/session/host_volume.h"
@@ -65,6 +66,7 @@ struct SessionParts {
   SpentTime& spent;
   const KeptFacts& facts;
   SliceParts slices;
+  std::atomic<int>& files;  ///< that are being made on this worker
 };
 
 /// One session: joins the pure state machine to the runner, the encoders and the connections of all
@@ -141,6 +143,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void refused(const Wanted& wanted, const Error& why) override;
   void rendered(const Batch& batch) override;
   void picture(RenderedPicture picture) override;
+  void kernel(const KernelReport& report) override;
   void failed(const Error& why) override;
 
  private:
@@ -162,6 +165,15 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void voxels_ready(Result<VolumeCache::Handle> loaded);
   void send_slices(std::uint64_t connection);
   void slice_coded(std::uint64_t connection, const SliceDue& due, Result<std::string> coded);
+
+  // Files to be taken away (docs/adr/0031).
+  class FileLink;
+  void receive_file(std::uint64_t connection, const diaphane::v1::ClientMessage& message);
+  Result<void> note_key_view(const diaphane::v1::KeyView& view);
+  Result<std::shared_ptr<FileWork>> begin_file(std::uint64_t connection,
+                                               const diaphane::v1::FileWanted& wanted);
+  void send_of_file(const FileLink& link, const diaphane::v1::ServerMessage& message);
+  void give_up_file();  // under the lock
 
   // All of these under the lock.
   void send(std::uint64_t connection, const diaphane::v1::ServerMessage& message);
@@ -219,6 +231,14 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   std::optional<SliceStacks> stacks_;         // once the volume is there
   std::shared_ptr<const HostVolume> voxels_;  // while somebody is here who wanted slices
   bool loading_voxels_ = false;
+  /// The one that is being made or sent, for the connection that asked.
+  struct File {
+    std::uint64_t connection = 0;
+    std::shared_ptr<FileLink> link;
+    std::shared_ptr<FileWork> work;
+  };
+  std::optional<File> file_;
+  std::vector<diaphane::v1::Scene> key_views_;
   std::vector<diaphane::v1::Preset> presets_;
   std::uint64_t runner_handle_ = 0;
   bool ended_ = false;

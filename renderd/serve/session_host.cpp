@@ -125,7 +125,8 @@ SessionParts SessionHost::parts() {
           options_.mark_frames,
           spent_,
           facts_,
-          slices_};
+          slices_,
+          files_};
 }
 
 // Its id is nobody's but this worker's: no ticket leads to it. The heartbeat counts its slot.

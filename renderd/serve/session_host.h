@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -103,6 +104,7 @@ class SessionHost {
   const Clock& clock_;
 
   SpentTime spent_;
+  std::atomic<int> files_{0};
   mutable std::mutex mutex_;
   std::map<std::string, Session> sessions_;
   bool refusing_ = false;

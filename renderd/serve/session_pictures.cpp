@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "common/log.h"
 #include "renderd/encode/frame_mark.h"
@@ -7,6 +8,21 @@
 // Of LiveSession: pictures on their way from the runner through the encoders to the viewers.
 
 namespace diaphane::render {
+namespace {
+
+v1::KernelReport::Origin to_proto(KernelOrigin origin) {
+  switch (origin) {
+    case KernelOrigin::kGeneral:
+      return v1::KernelReport::GENERAL;
+    case KernelOrigin::kAheadOfTime:
+      return v1::KernelReport::AHEAD_OF_TIME;
+    case KernelOrigin::kForThisScene:
+      return v1::KernelReport::FOR_THIS_SCENE;
+  }
+  return v1::KernelReport::ORIGIN_UNSPECIFIED;
+}
+
+}  // namespace
 
 void LiveSession::picture(RenderedPicture picture) {
   if (parts_.mark_frames) draw_frame_mark(picture.picture, picture.info.input_seq);
@@ -14,6 +30,23 @@ void LiveSession::picture(RenderedPicture picture) {
   const Lanes all = lanes();
   for (std::size_t i = 0; i + 1 < all.size(); ++i) all[i]->slot->submit(picture);
   if (!all.empty()) all.back()->slot->submit(std::move(picture));
+}
+
+void LiveSession::kernel(const KernelReport& report) {
+  v1::ServerMessage message;
+  v1::KernelReport& out = *message.mutable_kernel();
+  out.mutable_compiled_in()->Assign(report.compiled_in.begin(), report.compiled_in.end());
+  out.mutable_left_out()->Assign(report.left_out.begin(), report.left_out.end());
+  out.set_origin(to_proto(report.origin));
+  out.set_compile_milliseconds(report.compile_milliseconds);
+  out.set_from_cache(report.from_cache);
+  if (report.registers) out.set_registers(static_cast<std::uint32_t>(*report.registers));
+  out.set_empty_cells(report.empty_cells);
+  const std::lock_guard lock(mutex_);
+  state_.wanted.kernel_report = false;
+  for (Receiver& receiver : state_.audience.receivers) {
+    if (std::exchange(receiver.kernel_wanted, false)) send(receiver.connection, message);
+  }
 }
 
 Admitted LiveSession::admit(const Lane& lane, const FrameInfo& frame) {

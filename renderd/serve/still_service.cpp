@@ -102,8 +102,9 @@ void StillService::begin(std::shared_ptr<Order> order, Result<VolumeCache::Handl
   job.canvas = order->canvas;
   job.samples = order->request.samples();
   job.error = order->request.error();
-  job.background = order->request.background();
-  job.until = order->begun + (job.background ? kLongestInBackground : kLongestRendering);
+  const bool background = order->request.background();
+  job.rank = background ? StillRank::kBackground : StillRank::kAwaited;
+  job.until = order->begun + (background ? kLongestInBackground : kLongestRendering);
   job.cancelled = [order] { return order->cancelled->load(); };
   job.done = [this, order](Result<PictureRgb8> picture, double error) {
     encoders_.post(EncodePool::Urgency::kLater, [this, order, picture = std::move(picture), error] {

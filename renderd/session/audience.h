@@ -37,6 +37,7 @@ inline constexpr std::chrono::seconds kPresenterAway{5};
 inline constexpr std::chrono::milliseconds kKeyEvery{500};
 /// How far away something is may be asked so often: an answer takes milliseconds of a core.
 inline constexpr std::chrono::milliseconds kDepthEvery{50};
+inline constexpr std::chrono::milliseconds kKernelEvery{250};
 inline constexpr std::size_t kMostReceivers = 64;
 inline constexpr std::size_t kLongestName = 40;  ///< characters
 
@@ -55,8 +56,10 @@ struct Receiver {
   std::uint64_t newest_input = 0;  ///< of this connection
   TimePoint heard_at{};  ///< attached, last acknowledgement, or frame sent with none outstanding
 
-  SliceWishes slices;                    ///< beside the pictures, and on a window of their own
-  std::optional<TimePoint> depth_asked;  ///< last
+  SliceWishes slices;                     ///< beside the pictures, and on a window of their own
+  std::optional<TimePoint> depth_asked;   ///< last
+  std::optional<TimePoint> kernel_asked;  ///< likewise
+  bool kernel_wanted = false;             ///< and not answered yet
 
   FlightWindow flight;
   LinkEstimate path;  ///< what its connection carries

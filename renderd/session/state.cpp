@@ -198,6 +198,20 @@ Outcome receive_depth_query(Receiver& receiver, const v1::DepthQuery& query, Tim
   return outcome;
 }
 
+Outcome receive_kernel_wanted(SessionState& state, Receiver& receiver, TimePoint now) {
+  if (receiver.kernel_asked && now - *receiver.kernel_asked < kKernelEvery) {
+    return refuse(ErrorCode::kTooMany, "It was asked too often how the picture is rendered.",
+                  false);
+  }
+  receiver.kernel_asked = now;
+  receiver.kernel_wanted = true;
+  state.wanted.kernel_report = true;
+  state.wanted.picture_again = true;
+  Outcome outcome;
+  outcome.wake = true;
+  return outcome;
+}
+
 Outcome receive_handover(SessionState& state, Receiver& receiver, const v1::Handover& handover,
                          TimePoint now) {
   Outcome outcome;
@@ -357,7 +371,13 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
       return receive_own_camera(state, *receiver, message.own_camera().on());
     case v1::ClientMessage::kDepthQuery:
       return receive_depth_query(*receiver, message.depth_query(), now);
-    case v1::ClientMessage::kSlices:  // whose voxels are not the state's: LiveSession
+    case v1::ClientMessage::kKernel:
+      return receive_kernel_wanted(state, *receiver, now);
+    // Voxels and files are not the state's: LiveSession
+    case v1::ClientMessage::kSlices:
+    case v1::ClientMessage::kKeyView:
+    case v1::ClientMessage::kFile:
+    case v1::ClientMessage::kFileTaken:
     case v1::ClientMessage::BODY_NOT_SET:
       break;
   }

@@ -341,6 +341,23 @@ TEST_F(StateTest, HowFarAwaySomethingIsMayBeAskedOfAPlaceInThePictureAndNotTooOf
   EXPECT_TRUE(say(query).depth);
 }
 
+TEST_F(StateTest, WhatRendersThePictureIsToldWithTheNextOneAndNotTooOften) {
+  say(hello());
+  v1::ClientMessage query;
+  query.mutable_kernel();
+  state.wanted.picture_again = false;
+  const Outcome outcome = say(query);
+  EXPECT_FALSE(outcome.problem);
+  EXPECT_TRUE(outcome.wake);
+  EXPECT_TRUE(state.wanted.kernel_report);
+  EXPECT_TRUE(state.wanted.picture_again) << "also of a picture that is finished";
+  const Outcome too_soon = say(query);
+  ASSERT_TRUE(too_soon.problem);
+  EXPECT_FALSE(too_soon.problem->fatal());
+  now += kKernelEvery;
+  EXPECT_FALSE(say(query).problem);
+}
+
 TEST(SessionState, RawPicturesAreWantedOnlyWhereAskedFor) {
   SessionState state;
   const TimePoint now{};

@@ -29,6 +29,7 @@ struct Wanted {
   Effort effort;
   double moving_scale = 1;  ///< of the viewport's sides, while moving, at most: for the connection
   bool picture_again = false;  ///< a picture is due although nothing changed
+  bool kernel_report = false;  ///< RenderClient::kernel is due with the next picture
 };
 
 /// What a picture is of.
@@ -66,6 +67,8 @@ class RenderClient {
   /// Its seconds are the session's own: of a device that it shares, no more than its part.
   virtual void rendered(const Batch& batch) = 0;
   virtual void picture(RenderedPicture picture) = 0;
+  /// What renders it, after a picture for which it was wanted.
+  virtual void kernel(const KernelReport&) {}
   /// The session cannot go on; the runner has dropped it.
   virtual void failed(const Error& why) = 0;
 };

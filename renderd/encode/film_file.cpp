@@ -1,0 +1,226 @@
+#include "renderd/encode/film_file.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "renderd/encode/encoder.h"
+#include "renderd/encode/ffmpeg.h"
+
+extern "C" {
+#include <libavformat/avformat.h>
+}
+
+namespace diaphane::render {
+namespace {
+
+constexpr double kRateFactor = 18;                     // no visible loss
+constexpr std::int64_t kMostBitsASecond = 24'000'000;  // what phones play
+constexpr double kForFrames = 0.9;                     // of the bytes; the rest is the index
+constexpr int kBufferBytes = 1 << 16;
+
+tl::unexpected<Error> failed(int error) {
+  return fail(ErrorCode::kInternal,
+              "The film could not be coded: " + ffmpeg::error_text(error) + ".");
+}
+tl::unexpected<Error> no_memory() {
+  return fail(ErrorCode::kOutOfMemory, "No memory to code a film.");
+}
+
+std::int64_t most_bits_a_second(const FilmFormat& format) {
+  const double seconds = static_cast<double>(format.frames) / format.frames_per_second;
+  const double bits = 8.0 * kForFrames * static_cast<double>(kMostFilmBytes);
+  return std::min(kMostBitsASecond, static_cast<std::int64_t>(bits / std::max(seconds, 1.0)));
+}
+
+/// A place in a file that lies in memory, as FFmpeg reads and writes one.
+class MemoryFile {
+ public:
+  explicit MemoryFile(std::string& bytes) : bytes_(bytes) {}
+
+  static int read(void* opaque, std::uint8_t* to, int size) {
+    auto& file = *static_cast<MemoryFile*>(opaque);
+    const std::size_t left = file.bytes_.size() - std::min(file.at_, file.bytes_.size());
+    const std::size_t count = std::min(left, static_cast<std::size_t>(size));
+    if (count == 0) return AVERROR_EOF;
+    std::memcpy(to, file.bytes_.data() + file.at_, count);
+    file.at_ += count;
+    return static_cast<int>(count);
+  }
+  static int write(void* opaque, std::uint8_t* from, int size) {
+    auto& file = *static_cast<MemoryFile*>(opaque);
+    const std::size_t end = file.at_ + static_cast<std::size_t>(size);
+    if (end > kMostFilmBytes) return AVERROR(ENOSPC);
+    if (end > file.bytes_.size()) file.bytes_.resize(end);
+    std::memcpy(file.bytes_.data() + file.at_, from, static_cast<std::size_t>(size));
+    file.at_ = end;
+    return size;
+  }
+  static std::int64_t seek(void* opaque, std::int64_t offset, int whence) {
+    auto& file = *static_cast<MemoryFile*>(opaque);
+    const auto size = static_cast<std::int64_t>(file.bytes_.size());
+    if (whence == AVSEEK_SIZE) return size;
+    const std::int64_t from = whence == SEEK_SET   ? 0
+                              : whence == SEEK_CUR ? static_cast<std::int64_t>(file.at_)
+                                                   : size;
+    if (from + offset < 0) return AVERROR(EINVAL);
+    file.at_ = static_cast<std::size_t>(from + offset);
+    return from + offset;
+  }
+
+ private:
+  std::string& bytes_;
+  std::size_t at_ = 0;
+};
+
+void free_io(AVIOContext* io) {
+  if (!io) return;
+  delete static_cast<MemoryFile*>(io->opaque);
+  av_freep(&io->buffer);
+  avio_context_free(&io);
+}
+struct FreeIo {
+  void operator()(AVIOContext* io) const { free_io(io); }
+};
+using Io = std::unique_ptr<AVIOContext, FreeIo>;
+
+Io open_io(std::string& bytes, bool writes) {
+  auto file = std::make_unique<MemoryFile>(bytes);
+  auto* buffer = static_cast<unsigned char*>(av_malloc(kBufferBytes));
+  AVIOContext* io =
+      buffer ? avio_alloc_context(buffer, kBufferBytes, writes ? 1 : 0, file.get(),
+                                  &MemoryFile::read, &MemoryFile::write, &MemoryFile::seek)
+             : nullptr;
+  if (!io) {
+    av_free(buffer);
+    return nullptr;
+  }
+  (void)file.release();  // free_io's
+  return Io(io);
+}
+
+struct FreeFormat {
+  void operator()(AVFormatContext* format) const { avformat_free_context(format); }
+};
+
+class Mp4File final : public FilmFile {
+ public:
+  explicit Mp4File(const FilmFormat& format) : format_(format) {}
+
+  Result<void> open() {
+    if (auto coder = open_coder(); !coder) return coder;
+    return open_container();
+  }
+
+  Result<void> add(const PictureRgb8& picture) override {
+    if (const auto sound = check_picture(picture); !sound) return tl::unexpected(sound.error());
+    if (picture.size != format_.size) {
+      return fail(ErrorCode::kInternal, "A frame is not of its film's size.");
+    }
+    auto converted = converter_.convert(picture);
+    if (!converted) return tl::unexpected(converted.error());
+    (*converted)->pts = next_++;
+    return code(*converted);
+  }
+
+  Result<std::string> finish() override {
+    if (auto flushed = code(nullptr); !flushed) return tl::unexpected(flushed.error());
+    if (const int error = av_write_trailer(container_.get()); error < 0) return failed(error);
+    avio_flush(io_.get());
+    return std::move(bytes_);
+  }
+
+ private:
+  Result<void> open_coder() {
+    const AVCodec* codec = avcodec_find_encoder_by_name("libx264");
+    if (!codec) return fail(ErrorCode::kUnsupported, "This FFmpeg has no libx264.");
+    coder_.reset(avcodec_alloc_context3(codec));
+    packet_.reset(av_packet_alloc());
+    if (!coder_ || !packet_) return no_memory();
+    AVCodecContext& coder = *coder_;
+    const int rate = static_cast<int>(format_.frames_per_second);
+    coder.width = static_cast<int>(format_.size.width);
+    coder.height = static_cast<int>(format_.size.height);
+    coder.pix_fmt = AV_PIX_FMT_YUV420P;
+    coder.time_base = {1, rate};
+    coder.framerate = {rate, 1};
+    coder.color_range = AVCOL_RANGE_MPEG;
+    coder.colorspace = AVCOL_SPC_BT709;
+    coder.color_primaries = AVCOL_PRI_BT709;
+    coder.color_trc = AVCOL_TRC_BT709;
+    coder.gop_size = rate;   // a player finds any second at once
+    coder.thread_count = 1;  // nobody waits for it
+    coder.flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_BITEXACT;
+    coder.rc_max_rate = most_bits_a_second(format_);
+    coder.rc_buffer_size = static_cast<int>(coder.rc_max_rate / 2);
+    av_opt_set(coder.priv_data, "profile", "high", 0);
+    av_opt_set(coder.priv_data, "preset", "fast", 0);
+    av_opt_set_double(coder.priv_data, "crf", kRateFactor, 0);
+    const int opened = avcodec_open2(&coder, codec, nullptr);
+    return opened < 0 ? failed(opened) : Result<void>();
+  }
+
+  Result<void> open_container() {
+    AVFormatContext* container = nullptr;
+    if (avformat_alloc_output_context2(&container, nullptr, "mp4", nullptr) < 0) return no_memory();
+    container_.reset(container);
+    io_ = open_io(bytes_, true);
+    AVStream* stream = avformat_new_stream(container, nullptr);
+    if (!io_ || !stream) return no_memory();
+    container->pb = io_.get();
+    container->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_BITEXACT;
+    // For faststart all is moved once to make room for the index: it is read by another context.
+    container->opaque = this;
+    container->io_open = [](AVFormatContext* of, AVIOContext** io, const char*, int,
+                            AVDictionary**) {
+      *io = open_io(static_cast<Mp4File*>(of->opaque)->bytes_, false).release();
+      return *io ? 0 : AVERROR(ENOMEM);
+    };
+    container->io_close2 = [](AVFormatContext*, AVIOContext* io) {
+      free_io(io);
+      return 0;
+    };
+    stream->time_base = coder_->time_base;
+    stream->avg_frame_rate = coder_->framerate;
+    if (avcodec_parameters_from_context(stream->codecpar, coder_.get()) < 0) return no_memory();
+    AVDictionary* options = nullptr;
+    av_dict_set(&options, "movflags", "+faststart", 0);
+    const int begun = avformat_write_header(container, &options);
+    av_dict_free(&options);
+    return begun < 0 ? failed(begun) : Result<void>();
+  }
+
+  /// Nothing: what the encoder holds back is fetched.
+  Result<void> code(const AVFrame* frame) {
+    int result = avcodec_send_frame(coder_.get(), frame);
+    while (result >= 0) {
+      result = avcodec_receive_packet(coder_.get(), packet_.get());
+      if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) return {};
+      if (result < 0) break;
+      packet_->duration = 1;
+      av_packet_rescale_ts(packet_.get(), coder_->time_base, container_->streams[0]->time_base);
+      result = av_write_frame(container_.get(), packet_.get());
+      av_packet_unref(packet_.get());
+    }
+    return failed(result);
+  }
+
+  const FilmFormat format_;
+  std::string bytes_;
+  ffmpeg::YuvConverter converter_{ffmpeg::Matrix::kBt709};
+  ffmpeg::Packet packet_;
+  ffmpeg::Context coder_;
+  Io io_;  // outlives the container
+  std::unique_ptr<AVFormatContext, FreeFormat> container_;
+  std::int64_t next_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<FilmFile>> make_film_file(const FilmFormat& format) {
+  av_log_set_level(AV_LOG_QUIET);  // its errors come back as values
+  auto file = std::make_unique<Mp4File>(format);
+  if (const auto opened = file->open(); !opened) return tl::unexpected(opened.error());
+  return std::unique_ptr<FilmFile>(std::move(file));
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,144 @@
+// Pictures of files beside sessions: behind all else.
+
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "renderd/schedule/fake_engine.h"
+#include "renderd/schedule/marginal_gain.h"
+#include "renderd/schedule/runner.h"
+
+namespace diaphane::render {
+namespace {
+
+using namespace std::chrono_literals;
+
+class Person final : public RenderClient {
+ public:
+  explicit Person(const Clock& clock) : clock_(clock) { turn(1); }
+  void turn(double angle) {
+    const std::lock_guard lock(mutex_);
+    auto scene = std::make_shared<v1::Scene>();
+    scene->mutable_camera()->mutable_eye()->set_x(angle);
+    wanted_.viewport = {64, 64};
+    wanted_.scene = std::move(scene);
+    wanted_.last_input = clock_.now();
+    ++wanted_.input_seq;
+    version_ = ++wanted_.version;
+  }
+  Wanted wanted() override {
+    const std::lock_guard lock(mutex_);
+    return wanted_;
+  }
+  std::uint64_t version() const noexcept override { return version_; }
+  void began(std::uint64_t, const Wanted&) override {}
+  void refused(const Wanted&, const Error&) override {}
+  void rendered(const Batch& batch) override { samples += batch.samples; }
+  void picture(RenderedPicture) override { ++pictures; }
+  void failed(const Error&) override {}
+  std::atomic<std::uint64_t> samples{0};
+  std::atomic<int> pictures{0};
+
+ private:
+  const Clock& clock_;
+  std::mutex mutex_;
+  Wanted wanted_;
+  std::atomic<std::uint64_t> version_{0};
+};
+
+bool eventually(const std::function<bool()>& holds, std::chrono::milliseconds within = 10s) {
+  const auto end = std::chrono::steady_clock::now() + within;
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(1ms);
+  }
+  return true;
+}
+
+struct RunnerFilesTest : testing::Test {
+  /// One of which each sample takes as long as its device says.
+  StillJob job(StillRank rank, std::promise<double>& done, std::uint32_t samples = 10) {
+    StillJob job;
+    job.scene = std::make_shared<const v1::Scene>();
+    job.canvas = {64, 64};
+    job.samples = samples;
+    job.rank = rank;
+    job.renderer = std::make_shared<FakeRenderer>(files, nullptr);
+    job.took = [this](double seconds) { charged += seconds; };
+    job.done = [&done](Result<PictureRgb8> picture, double error) {
+      done.set_value(picture ? error : -1);
+    };
+    return job;
+  }
+  std::shared_ptr<Person> person() {
+    auto made = std::make_shared<Person>(clock);
+    runner.add(made, std::make_unique<FakeRenderer>(sessions, nullptr), 0);
+    return made;
+  }
+  std::shared_ptr<FakeDevice> sessions = std::make_shared<FakeDevice>();
+  std::shared_ptr<FakeDevice> files = std::make_shared<FakeDevice>();
+  std::atomic<double> charged{0};
+  SystemClock clock;
+  Runner runner{std::make_unique<MarginalGain>(MarginalGain::Options()), clock,
+                Runner::Options{.rules = {0.01, 4, 1 << 20}}};
+};
+
+TEST_F(RunnerFilesTest, AFileRendersNothingWhileSomebodyMovesAndGoesOnAtRest) {
+  files->seconds_per_megapixel = 250;  // 1 s a sample, were it not cut short
+  sessions->seconds_per_megapixel = 0.1;
+  std::promise<double> done;
+  auto finished = done.get_future();
+  runner.submit(job(StillRank::kFile, done));
+  ASSERT_TRUE(eventually([&] { return files->rendering > 0; }));
+  const auto one = person();
+  runner.wake();
+  // The sample under way is cut short: the first picture waits for it no longer than for a quantum.
+  ASSERT_TRUE(eventually([&] { return one->pictures > 0; }, 900ms));
+  int beside = 0;
+  for (int i = 0; i < 50; ++i) {
+    one->turn(i + 2);
+    runner.wake();
+    std::this_thread::sleep_for(5ms);
+    beside += files->rendering;
+  }
+  EXPECT_EQ(beside, 0);
+  EXPECT_EQ(files->samples, 0u);
+  files->seconds_per_megapixel = 1;
+  ASSERT_EQ(finished.wait_for(20s), std::future_status::ready);
+  EXPECT_NEAR(finished.get(), 0.5 / std::sqrt(10.0), 1e-9);
+  EXPECT_GT(charged, 0.03) << "ten samples of 4 ms, to whom asked for them";
+}
+
+TEST_F(RunnerFilesTest, AFileGoesBehindStillsThatCameLater) {
+  files->seconds_per_megapixel = 1;
+  std::promise<double> file, background, awaited;
+  auto ended_file = file.get_future(), ended_background = background.get_future(),
+       ended_awaited = awaited.get_future();
+  runner.submit(job(StillRank::kFile, file, 1000));
+  ASSERT_TRUE(eventually([&] { return files->samples > 0; }));
+  runner.submit(job(StillRank::kBackground, background, 200));
+  runner.submit(job(StillRank::kAwaited, awaited, 10));
+  ASSERT_EQ(ended_awaited.wait_for(10s), std::future_status::ready);
+  EXPECT_EQ(ended_background.wait_for(0s), std::future_status::timeout);
+  ASSERT_EQ(ended_background.wait_for(10s), std::future_status::ready);
+  EXPECT_EQ(ended_file.wait_for(0s), std::future_status::timeout);
+  files->seconds_per_megapixel = 0;
+  EXPECT_EQ(ended_file.wait_for(10s), std::future_status::ready);
+}
+
+TEST_F(RunnerFilesTest, ACancelledOneIsCutShortAndLetGo) {
+  files->seconds_per_megapixel = 250'000;
+  std::promise<double> done;
+  std::atomic<bool> cancelled{false};
+  StillJob cut = job(StillRank::kFile, done);
+  cut.cancelled = [&] { return cancelled.load(); };
+  const std::weak_ptr<FrameRenderer> left = cut.renderer;
+  runner.submit(std::move(cut));
+  ASSERT_TRUE(eventually([&] { return files->rendering > 0; }));
+  cancelled = true;
+  EXPECT_TRUE(eventually([&] { return left.expired(); }));
+  EXPECT_EQ(done.get_future().wait_for(0s), std::future_status::timeout);
+}
+
+}  // namespace
+}  // namespace diaphane::render

@@ -1,0 +1,44 @@
+#include "renderd/schedule/still_turns.h"
+
+#include <gtest/gtest.h>
+
+namespace diaphane::render {
+namespace {
+
+TEST(StillTurns, AFileTakesNothingOfADeviceOnWhichSomebodyMoves) {
+  EXPECT_EQ(still_share(StillRank::kFile, 1), 0);
+  EXPECT_FALSE(still_may_run(StillRank::kFile, 1));
+  EXPECT_TRUE(still_may_run(StillRank::kFile, 0));
+  for (const StillRank rank : {StillRank::kAwaited, StillRank::kBackground}) {
+    EXPECT_TRUE(still_may_run(rank, 3));
+    EXPECT_GT(still_share(rank, 3), 0);
+  }
+}
+
+TEST(StillTurns, ShareFallsWithRankAndWithHandsThatMove) {
+  EXPECT_GT(still_share(StillRank::kAwaited, 0), still_share(StillRank::kBackground, 0));
+  EXPECT_GT(still_share(StillRank::kAwaited, 0), still_share(StillRank::kAwaited, 1));
+  EXPECT_GE(still_share(StillRank::kBackground, 0), still_share(StillRank::kFile, 0));
+  EXPECT_GT(still_share(StillRank::kFile, 0), 0) << "at rest it goes on, if slowly";
+}
+
+// Sessions that render without a pause: over time a file has its sixteenth, however long a sample.
+TEST(StillTurns, AFileGivesBackWhatALongSampleTook) {
+  for (const double sample : {0.01, 0.1, 0.9}) {
+    double due = 0, busy = 0, files = 0;
+    while (busy < 1000) {
+      const double quantum = 0.008;
+      busy += quantum;
+      due += still_share(StillRank::kFile, 0) * quantum;
+      if (due < 0.03) continue;
+      busy += sample;
+      files += sample;
+      due = still_due_after(StillRank::kFile, due + still_share(StillRank::kFile, 0) * sample,
+                            sample);
+    }
+    EXPECT_NEAR(files / busy, 1.0 / 16, 0.005) << sample;
+  }
+}
+
+}  // namespace
+}  // namespace diaphane::render

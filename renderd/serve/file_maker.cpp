@@ -1,0 +1,148 @@
+#include "renderd/serve/file_maker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderd/encode/film_file.h"
+#include "renderd/encode/png_rows.h"
+#include "renderd/film/part.h"
+#include "renderd/scene/film_path.h"
+#include "renderd/scene/presets.h"
+
+namespace diaphane::render {
+namespace {
+
+namespace v1 = diaphane::v1;
+
+constexpr std::uint32_t kMostSamples = 1 << 16;
+constexpr std::uint32_t kFewestSamples = 16;  // below it no estimate of the error is trusted
+constexpr double kLeastError = 0.005;
+constexpr std::uint32_t kShortestSide = 16;
+/// Of the small picture that tells how many samples a large one needs.
+constexpr std::uint32_t kTrialSide = 768;
+constexpr int kPngLevelOfFiles = 6;  // made once, kept for long
+
+class FilmMaker final : public FileMaker {
+ public:
+  FilmMaker(v1::Film film, std::vector<v1::Scene> keys, std::unique_ptr<FilmFile> file)
+      : film_(std::move(film)), keys_(std::move(keys)), file_(std::move(file)) {}
+
+  std::optional<FileStep> next() override {
+    if (taken_ == film_.frames()) return std::nullopt;
+    return FileStep{std::make_shared<const v1::Scene>(film_frame(film_, keys_, taken_)),
+                    {film_.width(), film_.height()},
+                    kMostSamples,
+                    film_.error(),
+                    true};
+  }
+  Result<std::string> take(const PictureRgb8& picture, std::uint64_t) override {
+    if (auto added = file_->add(picture); !added) return tl::unexpected(added.error());
+    ++taken_;
+    return std::string();  // its index, which stands first, is known last
+  }
+  Result<std::string> finish() override { return file_->finish(); }
+  double done() const override { return static_cast<double>(taken_) / film_.frames(); }
+
+ private:
+  const v1::Film film_;
+  const std::vector<v1::Scene> keys_;
+  const std::unique_ptr<FilmFile> file_;
+  std::uint32_t taken_ = 0;
+};
+
+// First a small picture of the whole, to the wanted error: it tells the samples, which are the same
+// for each band. Bands with an error of their own would be noisier where they are darker.
+class PictureMaker final : public FileMaker {
+ public:
+  PictureMaker(Canvas size, double error, v1::Scene scene, std::unique_ptr<PngRows> file)
+      : size_(size),
+        error_(error),
+        scene_(std::make_shared<const v1::Scene>(std::move(scene))),
+        file_(std::move(file)),
+        trial_(trial_of(size)) {}
+
+  std::optional<FileStep> next() override {
+    if (samples_ == 0) return FileStep{scene_, trial_, kMostSamples, error_, false};
+    if (row_ == size_.height) return std::nullopt;
+    const std::uint32_t rows = std::min(band_rows(size_), size_.height - row_);
+    return FileStep{scene_, {size_.width, rows, row_, size_.height}, samples_, 0, false};
+  }
+  Result<std::string> take(const PictureRgb8& picture, std::uint64_t samples) override {
+    if (samples_ == 0) {
+      samples_ = static_cast<std::uint32_t>(
+          std::clamp<std::uint64_t>(samples, kFewestSamples, kMostSamples));
+      return std::string();
+    }
+    auto bytes = file_->add(picture.pixels);
+    if (bytes) row_ += picture.size.height;
+    return bytes;
+  }
+  Result<std::string> finish() override { return file_->finish(); }
+  double done() const override {
+    const double trial = pixels(trial_), all = trial + pixels(size_);
+    if (samples_ == 0) return 0;
+    return (trial + double(size_.width) * row_) / all;
+  }
+
+ private:
+  static double pixels(Canvas canvas) { return double(canvas.width) * canvas.height; }
+  static Canvas trial_of(Canvas size) {
+    const double shrunk = std::min(1.0, double(kTrialSide) / std::max(size.width, size.height));
+    const auto side = [&](std::uint32_t length) {
+      return std::max(1u, static_cast<std::uint32_t>(std::lround(length * shrunk)));
+    };
+    return {side(size.width), side(size.height)};
+  }
+
+  const Canvas size_;
+  const double error_;
+  const std::shared_ptr<const v1::Scene> scene_;
+  const std::unique_ptr<PngRows> file_;
+  const Canvas trial_;
+  std::uint32_t samples_ = 0;  // 0: not known yet
+  std::uint32_t row_ = 0;
+};
+
+Result<std::unique_ptr<FileMaker>> film_maker(const v1::Film& film, std::vector<v1::Scene> keys) {
+  if (const auto sound = check_film(film, keys); !sound) return tl::unexpected(sound.error());
+  auto file =
+      make_film_file({{film.width(), film.height()}, film.frames_per_second(), film.frames()});
+  if (!file) return tl::unexpected(file.error());
+  return std::make_unique<FilmMaker>(film, std::move(keys), std::move(*file));
+}
+
+Result<std::unique_ptr<FileMaker>> picture_maker(const v1::LargePicture& picture,
+                                                 std::vector<v1::Scene> keys) {
+  for (const std::uint32_t side : {picture.width(), picture.height()}) {
+    if (side < kShortestSide || side > kLongestCanvas) {
+      return fail(ErrorCode::kInvalid, "A picture is 16 to 16384 pixels wide and high.", "width");
+    }
+  }
+  if (!(picture.error() >= kLeastError && picture.error() <= 1)) {
+    return fail(ErrorCode::kInvalid, "The error of a picture is 0.005 to 1.", "error");
+  }
+  if (keys.empty()) return fail(ErrorCode::kInvalid, "Nothing is said to be seen.", "keys");
+  if (const auto sound = check_scene(keys.front()); !sound) return tl::unexpected(sound.error());
+  const Canvas size{picture.width(), picture.height()};
+  auto file = make_png_rows(size, kPngLevelOfFiles);
+  if (!file) return tl::unexpected(file.error());
+  return std::make_unique<PictureMaker>(size, picture.error(), std::move(keys.front()),
+                                        std::move(*file));
+}
+
+}  // namespace
+
+std::uint32_t band_rows(Canvas picture) {
+  const auto fitting =
+      static_cast<std::uint32_t>(kBandPixels / picture.width) / kShareRows * kShareRows;
+  return std::clamp(fitting, kShareRows, std::max(picture.height, kShareRows));
+}
+
+Result<std::unique_ptr<FileMaker>> make_file_maker(const v1::FileWanted& wanted,
+                                                   std::vector<v1::Scene> keys) {
+  if (wanted.has_film()) return film_maker(wanted.film(), std::move(keys));
+  if (wanted.has_picture()) return picture_maker(wanted.picture(), std::move(keys));
+  return fail(ErrorCode::kInvalid, "There is no such file.", "kind");
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,140 @@
+#include "common/log.h"
+#include "renderd/scene/film_path.h"
+#include "renderd/scene/presets.h"
+#include "renderd/serve/live_session.h"
+
+// Of LiveSession: films and large pictures, to be taken away (docs/adr/0031).
+
+namespace diaphane::render {
+namespace {
+
+/// On one worker at once: each holds a film of its own and up to 48 MiB.
+constexpr int kMostFiles = 2;
+
+// The same file each time that it is made.
+constexpr std::uint64_t kFileSeed = 1;
+
+/// A place among the worker's files, as long as it lives; null: none is free.
+std::shared_ptr<const void> place_among(std::atomic<int>& files) {
+  if (++files <= kMostFiles) {
+    return {&files, [&files](const void*) { --files; }};
+  }
+  --files;
+  return nullptr;
+}
+
+}  // namespace
+
+/// Between a file and the connection that asked for it.
+class LiveSession::FileLink final : public FileSink {
+ public:
+  FileLink(std::weak_ptr<LiveSession> session, std::uint64_t connection)
+      : session_(std::move(session)), connection_(connection) {}
+
+  std::uint64_t connection() const { return connection_; }
+
+  void progress(double done) override {
+    v1::ServerMessage message;
+    message.mutable_file_progress()->set_done(done);
+    say(message);
+  }
+  void part(std::uint64_t seq, std::string bytes, bool last) override {
+    v1::ServerMessage message;
+    v1::FilePart& part = *message.mutable_file_part();
+    part.set_seq(seq);
+    part.set_data(std::move(bytes));
+    part.set_last(last);
+    say(message);
+  }
+  void ended(const Error& why) override {
+    log::warning("file_failed", {{"code", to_string(why.code)}});
+    v1::ServerMessage message;
+    *message.mutable_problem() = problem_of({why.code, why.message, "file"}, 0, false);
+    say(message);
+  }
+
+ private:
+  void say(const v1::ServerMessage& message) {
+    if (const auto session = session_.lock()) session->send_of_file(*this, message);
+  }
+
+  const std::weak_ptr<LiveSession> session_;
+  const std::uint64_t connection_;
+};
+
+void LiveSession::receive_file(std::uint64_t connection, const v1::ClientMessage& message) {
+  std::shared_ptr<FileWork> taken, begun;
+  {
+    const std::lock_guard lock(mutex_);
+    const Receiver* const receiver = state_.audience.find(connection);
+    if (!receiver || !receiver->greeted) return;
+    const auto refuse = [&](Error why) {
+      why.field = "file";
+      send_problem(connection, why);
+    };
+    if (receiver->participant != kOwner) {
+      return refuse({ErrorCode::kForbidden, "Only the owner of a session takes files of it.", {}});
+    }
+    if (message.has_key_view()) {
+      if (auto noted = note_key_view(message.key_view()); !noted) refuse(noted.error());
+    } else if (message.has_file_taken()) {
+      if (file_ && file_->connection == connection) taken = file_->work;
+    } else if (message.file().kind_case() == v1::FileWanted::KIND_NOT_SET) {
+      give_up_file();
+    } else if (auto file = begin_file(connection, message.file())) {
+      begun = std::move(*file);
+    } else {
+      refuse(file.error());
+    }
+  }
+  if (taken) taken->taken(message.file_taken().seq());
+  if (begun) begun->start();
+}
+
+Result<void> LiveSession::note_key_view(const v1::KeyView& view) {
+  if (view.index() == 0) key_views_.clear();
+  if (view.index() != key_views_.size() || view.index() >= kMostKeyViews) {
+    return fail(ErrorCode::kInvalid, "Views are told one after the other, 16 at most.");
+  }
+  if (const auto sound = check_scene(view.scene()); !sound) return sound;
+  key_views_.push_back(view.scene());
+  return {};
+}
+
+Result<std::shared_ptr<FileWork>> LiveSession::begin_file(std::uint64_t connection,
+                                                          const v1::FileWanted& wanted) {
+  if (!volume_ || ended_) return fail(ErrorCode::kUnavailable, "The scan is not there yet.");
+  if (file_ && !file_->work->over()) {
+    return fail(ErrorCode::kConflict, "A file is being made already.");
+  }
+  give_up_file();
+  auto place = place_among(parts_.files);
+  if (!place) {
+    return fail(ErrorCode::kTooMany, "Enough files are being made here now. Try again later.");
+  }
+  auto maker = make_file_maker(wanted, std::move(key_views_));
+  key_views_.clear();
+  if (!maker) return tl::unexpected(maker.error());
+  auto renderer = parts_.engine.renderer(volume_, kFileSeed, 0, kLiveMethod);
+  if (!renderer) return tl::unexpected(renderer.error());
+  auto link = std::make_shared<FileLink>(weak_from_this(), connection);
+  // The place is the work's, also while a lane still has it.
+  auto took = [&spent = parts_.spent, user = charged_to_,
+               place = std::move(place)](double seconds) { spent.add(user, seconds); };
+  auto work = std::make_shared<FileWork>(parts_.runner, parts_.encoders, std::move(*renderer),
+                                         std::move(*maker), link, std::move(took));
+  file_ = File{connection, std::move(link), work};
+  return work;
+}
+
+void LiveSession::send_of_file(const FileLink& link, const v1::ServerMessage& message) {
+  const std::lock_guard lock(mutex_);
+  if (file_ && file_->link.get() == &link) send(link.connection(), message);
+}
+
+void LiveSession::give_up_file() {
+  if (file_) file_->work->stop();
+  file_.reset();
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,253 @@
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "renderd/scene/film_path.h"
+#include "renderd/serve/test_worker.h"
+
+namespace diaphane::render {
+namespace {
+
+using Kind = v1::ServerMessage;
+using namespace std::chrono_literals;
+
+struct Viewer {
+  std::shared_ptr<Link> link = std::make_shared<Link>();
+  std::optional<Attachment> attachment;
+  v1::Scene scene;
+
+  void say(const v1::ClientMessage& message) { attachment->receive(message.SerializeAsString()); }
+  void key(std::uint32_t index, const v1::Scene& seen) {
+    v1::ClientMessage message;
+    message.mutable_key_view()->set_index(index);
+    *message.mutable_key_view()->mutable_scene() = seen;
+    say(message);
+  }
+  void film(std::uint32_t frames, std::uint32_t side = 64) {
+    v1::ClientMessage message;
+    v1::Film& film = *message.mutable_file()->mutable_film();
+    film.set_path(v1::Film::TURNTABLE);
+    film.set_frames(frames);
+    film.set_frames_per_second(10);
+    film.set_width(side);
+    film.set_height(side);
+    film.set_error(0.2);
+    say(message);
+  }
+  void picture(std::uint32_t width, std::uint32_t height, double error = 0.2) {
+    v1::ClientMessage message;
+    v1::LargePicture& picture = *message.mutable_file()->mutable_picture();
+    picture.set_width(width);
+    picture.set_height(height);
+    picture.set_error(error);
+    say(message);
+  }
+  /// All of the file; what else was said on the way is skipped.
+  std::string file() {
+    std::string bytes;
+    for (bool last = false; !last;) {
+      const auto message = link->inbox.next_of(Kind::kFilePart);
+      if (!message) return {};
+      const v1::FilePart& part = message->file_part();
+      bytes += part.data();
+      last = part.last();
+      v1::ClientMessage taken;
+      taken.mutable_file_taken()->set_seq(part.seq());
+      say(taken);
+    }
+    return bytes;
+  }
+  std::optional<v1::Problem> problem() {
+    const auto message = link->inbox.next_of(Kind::kProblem);
+    return message ? std::optional(message->problem()) : std::nullopt;
+  }
+};
+
+struct SessionFilesTest : testing::Test {
+  SessionFilesTest() {
+    options.volume_dir = store.path;
+    options.host.slots = 4;
+    id = store.add_ball();
+    worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
+                                            clock);
+  }
+  Viewer attach(const std::string& session, const std::string& participant = {}) {
+    Viewer viewer;
+    v1::Open open;
+    open.set_session_id(session);
+    open.set_volume_id(id);
+    open.set_placement(1);
+    open.set_participant(participant);
+    open.set_user_id(user);
+    viewer.attachment.emplace(*worker->host().open(open, viewer.link));
+    viewer.say(hello_message());
+    const auto config = viewer.link->inbox.next_of(Kind::kConfig);
+    EXPECT_TRUE(config);
+    if (config) viewer.scene = config->config().scene();
+    v1::ClientMessage hidden;
+    hidden.mutable_visibility()->set_visible(false);
+    viewer.say(hidden);
+    return viewer;
+  }
+  /// Nothing is rendered any more.
+  bool is_quiet() {
+    for (int i = 0; i < 100; ++i) {
+      const auto samples = device->samples.load();
+      std::this_thread::sleep_for(60ms);
+      if (device->samples == samples && device->rendering == 0) return true;
+    }
+    return false;
+  }
+
+  TestStore store;
+  std::string id;
+  const std::string user = new_id();
+  std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
+  prometheus::Registry registry;
+  Metrics metrics{registry};
+  SystemClock clock;
+  RenderWorker::Options options;
+  std::unique_ptr<RenderWorker> worker;
+};
+
+TEST_F(SessionFilesTest, AFilmIsMadeAndChargedToItsOwner) {
+  device->seconds_per_megapixel = 1;  // 4 ms a sample
+  Viewer one = attach(new_id());
+  ASSERT_TRUE(is_quiet());
+  worker->host().spent().take_milliseconds();
+  one.key(0, one.scene);
+  one.film(20);
+  const std::string film = one.file();
+  ASSERT_GT(film.size(), 500u);
+  EXPECT_EQ(film.substr(4, 4), "ftyp");
+  EXPECT_EQ(one.link->inbox.count(Kind::kFileProgress), 20u);
+  const auto spent = worker->host().spent().take_milliseconds();
+  ASSERT_TRUE(spent.contains(user));
+  EXPECT_GE(spent.at(user), 20u * 4 * 4) << "4 samples at least each of 20 frames";
+}
+
+TEST_F(SessionFilesTest, ALargePictureIsMadeOfBands) {
+  Viewer one = attach(new_id());
+  ASSERT_TRUE(is_quiet()) << "its own picture was begun";
+  one.key(0, one.scene);
+  const int scenes = device->scenes;
+  one.picture(4096, 520);
+  const std::string png = one.file();
+  ASSERT_GT(png.size(), 100u);
+  EXPECT_EQ(png.substr(1, 3), "PNG");
+  EXPECT_EQ(device->scenes - scenes, 1 + 3) << "a trial, then bands of 256, 256 and 8 rows";
+}
+
+TEST_F(SessionFilesTest, GivenUpNothingIsRenderedAndItsPlaceIsFree) {
+  device->seconds_per_megapixel = 1;
+  const std::string session = new_id();
+  for (int way = 0; way < 3; ++way) {
+    Viewer one = attach(way == 2 ? new_id() : session);
+    one.key(0, one.scene);
+    one.film(600);
+    ASSERT_TRUE(one.link->inbox.next_of(Kind::kFileProgress));
+    if (way == 0) {
+      v1::ClientMessage give_up;
+      give_up.mutable_file();
+      one.say(give_up);
+    } else if (way == 1) {
+      one.attachment->closed();
+    } else {
+      worker->host().moved_away(session);
+      worker->host().end_all();
+    }
+    EXPECT_TRUE(is_quiet()) << way;
+    EXPECT_EQ(one.link->inbox.count(Kind::kFilePart), 0u);
+  }
+}
+
+TEST_F(SessionFilesTest, OneAtATimeAndTwoOnAWorker) {
+  device->seconds_per_megapixel = 1;
+  Viewer one = attach(new_id()), two = attach(new_id()), three = attach(new_id());
+  for (Viewer* viewer : {&one, &two, &three}) viewer->key(0, viewer->scene);
+  one.film(600);
+  two.film(600);
+  three.film(600);
+  const auto full = three.problem();
+  ASSERT_TRUE(full);
+  EXPECT_EQ(full->code(), to_string(ErrorCode::kTooMany));
+  EXPECT_EQ(full->field(), "file");
+  EXPECT_FALSE(full->fatal());
+  one.key(0, one.scene);
+  one.film(600);
+  const auto busy = one.problem();
+  ASSERT_TRUE(busy);
+  EXPECT_EQ(busy->code(), to_string(ErrorCode::kConflict));
+  one.attachment->closed();
+  // The lane lets go of it within a quantum.
+  for (int i = 0; i < 100; ++i) {
+    three.key(0, three.scene);
+    three.film(600);
+    if (three.link->inbox.next_of(Kind::kFileProgress, 100ms)) return;
+  }
+  FAIL() << "the place was never free again";
+}
+
+TEST_F(SessionFilesTest, WhatMakesNoSenseIsRefusedAndTheSessionGoesOn) {
+  Viewer one = attach(new_id());
+  const auto refused = [&](const char* why) {
+    const auto problem = one.problem();
+    ASSERT_TRUE(problem) << why;
+    EXPECT_EQ(problem->field(), "file") << why;
+    EXPECT_FALSE(problem->fatal()) << why;
+  };
+  one.film(20);
+  refused("nothing is seen");
+  one.key(0, v1::Scene());
+  refused("no scene");
+  one.key(3, one.scene);
+  refused("a view left out");
+  for (std::uint32_t i = 0; i < kMostKeyViews; ++i) one.key(i, one.scene);
+  one.key(kMostKeyViews, one.scene);
+  refused("a view too many");
+  one.film(1'000'000);
+  refused("hours");
+  one.key(0, one.scene);
+  one.film(20, 65);
+  refused("odd");
+  one.key(0, one.scene);
+  one.picture(16385, 16);
+  refused("too wide");
+  one.key(0, one.scene);
+  one.picture(100, 100, std::nan(""));
+  refused("no error");
+  v1::ClientMessage taken;
+  taken.mutable_file_taken()->set_seq(1'000'000);
+  one.say(taken);
+  v1::ClientMessage give_up;
+  give_up.mutable_file();
+  one.say(give_up);
+  one.key(0, one.scene);
+  one.film(2);
+  EXPECT_GT(one.file().size(), 100u);
+}
+
+TEST_F(SessionFilesTest, AGuestTakesNone) {
+  const std::string session = new_id();
+  Viewer owner = attach(session), guest = attach(session, new_id());
+  guest.key(0, guest.scene);
+  const auto problem = guest.problem();
+  ASSERT_TRUE(problem);
+  EXPECT_EQ(problem->code(), to_string(ErrorCode::kForbidden));
+}
+
+TEST_F(SessionFilesTest, WhatRendersThePictureIsToldToWhoAsks) {
+  Viewer one = attach(new_id());
+  v1::ClientMessage seen, query;
+  seen.mutable_visibility()->set_visible(true);
+  one.say(seen);
+  query.mutable_kernel();
+  one.say(query);
+  const auto told = one.link->inbox.next_of(Kind::kKernel);
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->kernel().origin(), v1::KernelReport::AHEAD_OF_TIME);
+  EXPECT_EQ(one.link->inbox.count(Kind::kKernel), 1u);
+}
+
+}  // namespace
+}  // namespace diaphane::render
