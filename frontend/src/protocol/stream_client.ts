@@ -26,6 +26,7 @@ import {
   type Still,
   type Viewport,
 } from "./messages";
+import { encode_file, encode_file_taken, encode_kernel_wanted, type FileOrder, type FilePart, type KernelReport } from "./file_messages";
 import type { SliceId } from "../slices/store";
 
 /** Leads to a worker: a one-time address, or why there is none. Asked anew for each try. */
@@ -71,6 +72,11 @@ export interface StreamEvents {
   state(state: State): void;
   stats(stats: Stats): void;
   problem(problem: Problem): void;
+  /** Of the file that was asked for: 0 to 1. */
+  file_progress(done: number): void;
+  file_part(part: FilePart): void;
+  /** What renders the picture, to whoever asked. */
+  kernel(report: KernelReport): void;
 }
 
 /**
@@ -195,6 +201,19 @@ export class StreamClient {
   /** How far away that is which is seen at a place of the picture. */
   depth_at(x: number, y: number): Promise<Answered> {
     return this.depths_.ask(x, y);
+  }
+
+  /** One at a time; given up with the connection. */
+  ask_for_file(order: FileOrder): void {
+    for (const message of encode_file(order)) this.say(message);
+  }
+
+  file_taken({ seq }: FilePart): void {
+    this.say(encode_file_taken(seq));
+  }
+
+  ask_for_kernel(): void {
+    this.say(encode_kernel_wanted());
   }
 
   need_key(): void {
@@ -326,6 +345,15 @@ export class StreamClient {
         break;
       case "problem":
         this.events_.problem(body.value);
+        break;
+      case "fileProgress":
+        this.events_.file_progress(body.value.done);
+        break;
+      case "filePart":
+        this.events_.file_part(body.value);
+        break;
+      case "kernel":
+        this.events_.kernel(body.value);
         break;
       default: // of a later protocol: nothing that this page must know
     }

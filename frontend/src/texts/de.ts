@@ -4,6 +4,7 @@ import { add } from "./de/add";
 import { admin } from "./de/admin";
 import { common } from "./de/common";
 import { cut } from "./de/cut";
+import { kernel } from "./de/kernel";
 import { live } from "./de/live";
 import { my_account } from "./de/my_account";
 import { presets } from "./de/presets";
@@ -25,6 +26,7 @@ export const de: Texts = {
   add,
   admin,
   cut,
+  kernel,
   live,
   my_account,
   presets,

@@ -7,6 +7,7 @@ import { LosslessEnd, type LosslessFacts, type TilePixels } from "./lossless_end
 import type { Picture } from "./picture";
 import { sha256 } from "./sha256";
 import { decode_still } from "./tile_pixels";
+import { unheard } from "./unseen";
 
 /** What the protocol allows, pixels. */
 export const shortest_side = 16;
@@ -50,7 +51,7 @@ export function part_done(error: number, wanted: number): number | null {
 }
 
 /** What the renderer itself takes for the end (docs/contracts.md). */
-const renderers_error = 0.01;
+export const renderers_error = 0.01;
 
 /**
  * A picture of its own size beside the one that is looked at: a session more of the same scan, which nobody sees, until
@@ -89,6 +90,7 @@ export class StillShot {
         pixel_ratio: () => 1,
       },
       {
+        ...unheard,
         connection: ({ phase, trouble }) => {
           if (trouble !== null && (phase === "stopped" || phase === "elsewhere")) this.fail(trouble, "");
           else if (!this.over_ && trouble !== this.waits_) {
@@ -102,12 +104,7 @@ export class StillShot {
         },
         frame: (frame) => void this.frame(frame),
         still: (still) => void this.lossless_.receive(still),
-        slice: () => undefined,
         problem: ({ message }) => this.fail("refused_scene", message),
-        state: () => undefined,
-        audience: () => undefined,
-        look: () => undefined,
-        stats: () => undefined,
       },
       order_.size,
     );

@@ -4,6 +4,7 @@ import { apply_gesture } from "../input/apply_gesture";
 import { fitted_to_aspect, type CameraPose } from "../input/camera";
 import type { Gesture } from "../input/gestures";
 import type { Answered } from "../protocol/depth_queries";
+import type { KernelReport } from "../protocol/file_messages";
 import { open_browser_socket } from "../protocol/browser_socket";
 import { first_state, type ConnectionState } from "../protocol/connection";
 import {
@@ -73,6 +74,8 @@ export class ViewerSession {
   readonly lossless = signal<LosslessFacts | null>(null);
   readonly samples_per_second = signal(0);
   readonly device = signal("");
+  /** What renders the picture, once somebody has asked. */
+  readonly kernel = signal<KernelReport | null>(null);
   readonly volume = signal<VolumeHeader | null>(null);
   readonly presets = signal<readonly Preset[]>([]);
   readonly scene = signal<Scene | null>(null);
@@ -150,6 +153,9 @@ export class ViewerSession {
         },
         stats: (stats) => (this.samples_per_second.value = stats.samplesPerSecond),
         problem: (problem) => (this.problem.value = problem.message),
+        file_progress: () => undefined,
+        file_part: () => undefined,
+        kernel: (report) => (this.kernel.value = report),
       },
       this.viewport_,
     );
@@ -222,6 +228,11 @@ export class ViewerSession {
   /** How far away that is which is seen at a place of the picture, from 0 to 1 from its upper left. */
   depth_at(x: number, y: number): Promise<Answered> {
     return this.client_.depth_at(x, y);
+  }
+
+  /** Told in `kernel`, with the next picture. */
+  ask_for_kernel(): void {
+    this.client_.ask_for_kernel();
   }
 
   wake(): void {

@@ -3,6 +3,7 @@ import { admin } from "./admin";
 import { add } from "./add";
 import { common } from "./common";
 import { cut } from "./cut";
+import { kernel } from "./kernel";
 import { live } from "./live";
 import { presets } from "./presets";
 import { my_account } from "./my_account";
@@ -24,6 +25,7 @@ export const en = {
   admin,
   add,
   cut,
+  kernel,
   live,
   presets,
   my_account,

@@ -4,6 +4,7 @@ import type { ViewerSession } from "../../video/viewer_session";
 import { Icon } from "../icons";
 import { keep, kept } from "../kept";
 import { ErrorPlot } from "./error_plot";
+import { KernelFacts } from "./kernel_facts";
 
 const key = "diaphane.quality";
 const small_screen = () => matchMedia("(max-width: 700px), (max-height: 480px)").matches;
@@ -50,6 +51,7 @@ export function QualityPanel({ session }: { readonly session: ViewerSession }) {
         <Row name={t.viewer.time} value={t.viewer.seconds(facts.seconds)} mark="time" />
       </dl>
       <ErrorPlot points={session.curve.value} />
+      <KernelFacts session={session} />
       <p class="quality-device muted">{session.device.value}</p>
     </section>
   );

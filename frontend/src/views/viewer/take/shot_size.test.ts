@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { large, largest, typed_size } from "./shot_size";
+import { is_held_by_page, large, largest, poster, typed_size } from "./shot_size";
 
 test("sizes have the shape of the screen and stay within what a renderer takes", () => {
   expect(large({ width: 1024, height: 768 })).toEqual({ width: 2048, height: 1536 });
@@ -11,6 +11,14 @@ test("sizes have the shape of the screen and stay within what a renderer takes",
 test("what is typed is two whole numbers within the bounds, or refused", () => {
   expect(typed_size("1920", " 1080 ")).toEqual({ width: 1920, height: 1080 });
   expect(typed_size("16", "4096")).toEqual({ width: 16, height: 4096 });
-  for (const [width, height] of [["7680", "4320"], ["15", "100"], ["", "100"], ["1e3", "100"], ["12.5", "100"], ["-100", "100"], ["0x100", "100"], ["9".repeat(400), "100"]] as const)
+  expect(typed_size("16384", "4320")).toEqual({ width: 16384, height: 4320 });
+  for (const [width, height] of [["16385", "4320"], ["15", "100"], ["", "100"], ["1e3", "100"], ["12.5", "100"], ["-100", "100"], ["0x100", "100"], ["9".repeat(400), "100"]] as const)
     expect(typed_size(width, height), width).toBeNull();
+});
+
+test("a page holds what fits a canvas, a worker makes the rest", () => {
+  expect(is_held_by_page(largest({ width: 1024, height: 768 }))).toBe(true);
+  expect(poster({ width: 1024, height: 768 })).toEqual({ width: 8192, height: 6144 });
+  expect(is_held_by_page(poster({ width: 1024, height: 768 }))).toBe(false);
+  expect(is_held_by_page({ width: 16, height: 4097 })).toBe(false);
 });

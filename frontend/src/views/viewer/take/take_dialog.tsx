@@ -2,14 +2,17 @@ import { useEffect, useState } from "preact/hooks";
 import type { Viewport } from "../../../protocol/messages";
 import { link_of } from "../../../scene/scene_link";
 import { t } from "../../../texts";
-import { longest_side, shortest_side, type ShotOrder } from "../../../video/still_shot";
+import { longest_large_side } from "../../../video/file_shot";
+import { renderers_error, shortest_side } from "../../../video/still_shot";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Choice } from "../../choice";
 import { Dialog } from "../../dialog";
 import { Field } from "../../field";
 import { Icon } from "../../icons";
-import { save_png } from "./save_png";
-import { large, largest, typed_size } from "./shot_size";
+import { FilmForm } from "./film_form";
+import { save_file } from "./save_file";
+import type { TakeOrder } from "./shot";
+import { is_held_by_page, large, largest, poster, typed_size } from "./shot_size";
 
 export interface TakeDialogProps {
   readonly session: ViewerSession;
@@ -17,17 +20,21 @@ export interface TakeDialogProps {
   readonly rendered: boolean;
   /** One is being rendered already. */
   readonly busy: boolean;
-  readonly onTake: (order: ShotOrder) => void;
+  readonly onTake: (order: TakeOrder) => void;
   readonly onClose: () => void;
 }
 
 export function TakeDialog({ session, rendered, busy, onTake, onClose }: TakeDialogProps) {
   const text = t.take;
+  const [what, set_what] = useState<keyof typeof text.kinds>("picture");
   return (
     <Dialog title={text.title} onClose={onClose}>
       <section class="share-part" aria-labelledby="take-picture">
-        <h3 id="take-picture">{text.picture}</h3>
-        {rendered ? <PictureForm session={session} busy={busy} onTake={onTake} /> : <PictureNow session={session} />}
+        <h3 id="take-picture">{rendered ? text.file : text.picture}</h3>
+        {rendered ? <Choice label={text.what} value={what} options={Object.entries(text.kinds)} onChoose={(kind) => set_what(kind as typeof what)} /> : null}
+        {!rendered ? <PictureNow session={session} /> : what === "picture" ? <PictureForm session={session} busy={busy} onTake={onTake} /> : (
+          <FilmForm key={what} session={session} kind={what} busy={busy} onTake={onTake} />
+        )}
       </section>
       {session.data_set_id !== null ? (
         <section class="share-part" aria-labelledby="take-link">
@@ -54,13 +61,16 @@ function PictureForm({ session, busy, onTake }: Pick<TakeDialogProps, "session" 
   const [width, set_width] = useState(String(screen.width));
   const [height, set_height] = useState(String(screen.height));
   const [wrong, set_wrong] = useState(false);
-  const sizes: Readonly<Record<Exclude<SizeName, "other">, Viewport>> = { screen, large: large(screen), largest: largest(screen) };
+  const sizes: Readonly<Record<Exclude<SizeName, "other">, Viewport>> = { screen, large: large(screen), largest: largest(screen), poster: poster(screen) };
   const named = (name: Exclude<SizeName, "other">) => [name, text.sizes[name](sizes[name].width, sizes[name].height)] as const;
   const submit = () => {
     const chosen = size === "other" ? typed_size(width, height) : sizes[size];
     const scene = session.scene.value;
     set_wrong(chosen === null);
-    if (chosen && scene) onTake({ scene, size: chosen, error: errors[quality] });
+    if (!chosen || !scene) return;
+    const error = errors[quality];
+    if (is_held_by_page(chosen)) onTake({ kind: "still", scene, size: chosen, error });
+    else onTake({ kind: "picture", keys: [scene], size: chosen, error: error || renderers_error });
   };
   return (
     <form class="take-form" noValidate onSubmit={(event) => {
@@ -68,7 +78,7 @@ function PictureForm({ session, busy, onTake }: Pick<TakeDialogProps, "session" 
       submit();
     }}>
       <p class="muted">{text.picture_lead}</p>
-      <Choice label={text.size} value={size} options={[named("screen"), named("large"), named("largest"), ["other", text.sizes.other]]}
+      <Choice label={text.size} value={size} options={[named("screen"), named("large"), named("largest"), named("poster"), ["other", text.sizes.other]]}
         onChoose={(name) => set_size(name as SizeName)} />
       {size === "other" ? (
         <>
@@ -76,12 +86,12 @@ function PictureForm({ session, busy, onTake }: Pick<TakeDialogProps, "session" 
             <Field label={text.width} value={width} onInput={set_width} digits most={6} />
             <Field label={text.height} value={height} onInput={set_height} digits most={6} />
           </div>
-          {wrong ? <p class="field-fault" role="alert">{text.wrong_size(shortest_side, longest_side)}</p> : <p class="field-hint">{text.other_hint}</p>}
+          {wrong ? <p class="field-fault" role="alert">{text.wrong_size(shortest_side, longest_large_side)}</p> : <p class="field-hint">{text.other_hint}</p>}
         </>
       ) : null}
       <Choice label={text.quality} value={quality} options={Object.entries(text.qualities)} onChoose={(name) => set_quality(name as QualityName)} />
       <p class="field-hint">{text.time_hint}</p>
-      <p><button type="submit" class="button button-main" disabled={busy}>{busy ? text.rendering : text.save}</button></p>
+      <p><button type="submit" class="button button-main" disabled={busy}>{busy ? text.of_picture.rendering : text.save}</button></p>
     </form>
   );
 }
@@ -91,7 +101,7 @@ function PictureNow({ session }: Pick<TakeDialogProps, "session">) {
   return (
     <>
       <p class="muted">{t.take.picture_now}</p>
-      <p><button type="button" class="button button-main" onClick={() => void session.png().then((png) => png && save_png(png))}>{t.take.save}</button></p>
+      <p><button type="button" class="button button-main" onClick={() => void session.png().then((png) => png && save_file(png))}>{t.take.save}</button></p>
     </>
   );
 }

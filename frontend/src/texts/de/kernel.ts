@@ -1,0 +1,37 @@
+import type { Texts } from "..";
+import { fixed, number } from "./counting";
+
+export const kernel: Texts["kernel"] = {
+  open: "Was weggelassen wurde, damit es schneller geht",
+  for_this_scene: (ms) => `Das Rechenprogramm wurde eigens für dieses Bild gebaut, in ${number.format(Math.round(ms))} ms.`,
+  from_cache: "Das Rechenprogramm wurde schon früher für genau so ein Bild gebaut.",
+  ahead_of_time: "Es rechnet das kleinste der fertigen Programme, das dieses Bild zeigen kann.",
+  general: "Es rechnet das Programm, das alles kann.",
+  left_out: "Weggelassen, weil dieses Bild es nicht braucht",
+  compiled_in: "Darin",
+  nothing: "nichts",
+  empty: (share) => `${fixed(100 * share, share < 0.1 ? 1 : 0)} % des Volumens sind leer und werden übersprungen.`,
+  registers: (n) => `Jeder Rechenfaden der Grafikkarte belegt ${n} Register.`,
+  features: {
+    "area light": "Lampen",
+    "many lights": "mehrere Lampen",
+    "shaped lights": "runde Lampen",
+    "textured lights": "Bilder auf Lampen",
+    environment: "Licht von allen Seiten",
+    "textured environment": "ein Bild, das ringsum leuchtet",
+    "anisotropic phase": "Licht, das mehr nach vorn oder hinten gestreut wird",
+    surfaces: "Oberflächen",
+    "hybrid shading": "Oberflächen und Nebel nebeneinander",
+    gloss: "Glanz",
+    emission: "leuchtender Stoff",
+    lens: "Unschärfe vor und hinter dem Scharfen",
+    orthographic: "parallele Ansicht",
+    clip: "Schnitte",
+    "clipped light": "Licht, das durch Weggeschnittenes geht",
+    slices: "Schichten im Bild",
+    bounces: "mehr als einmal gestreutes Licht",
+    "steep extinction": "Klares neben sehr Dichtem",
+    "denoiser guides": "Glätten der ersten Bilder",
+    curves: "Deckkraft mit Knicken",
+  },
+};

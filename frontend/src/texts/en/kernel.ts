@@ -1,0 +1,37 @@
+import { fixed, number } from "./counting";
+
+/** What renders a picture: which parts of the renderer it takes, and which were left out to be faster. */
+export const kernel = {
+  open: "What was left out to be faster",
+  for_this_scene: (ms: number) => `The renderer was built for just this picture, in ${number.format(Math.round(ms))} ms.`,
+  from_cache: "The renderer was built for just such a picture before.",
+  ahead_of_time: "The renderer took the smallest of its ready-made programs that can show this picture.",
+  general: "The renderer took its program that can do everything.",
+  left_out: "Left out, because this picture does not need it",
+  compiled_in: "In it",
+  nothing: "nothing",
+  empty: (share: number) => `${fixed(100 * share, share < 0.1 ? 1 : 0)} % of the volume is empty and is skipped.`,
+  registers: (n: number) => `Each thread of the graphics card uses ${n} registers.`,
+  features: {
+    "area light": "lamps",
+    "many lights": "several lamps",
+    "shaped lights": "round lamps",
+    "textured lights": "pictures on lamps",
+    environment: "light from all around",
+    "textured environment": "a picture that shines all around",
+    "anisotropic phase": "light scattered more forwards or backwards",
+    surfaces: "surfaces",
+    "hybrid shading": "surfaces and haze side by side",
+    gloss: "gloss",
+    emission: "matter that glows",
+    lens: "blur before and behind the focus",
+    orthographic: "parallel view",
+    clip: "cuts",
+    "clipped light": "light that passes through what is cut away",
+    slices: "slices in the picture",
+    bounces: "light that is scattered more than once",
+    "steep extinction": "clear and very dense matter side by side",
+    "denoiser guides": "smoothing of the first pictures",
+    curves: "opacity curves with bends",
+  } as Readonly<Record<string, string>>,
+} as const;

@@ -1,0 +1,161 @@
+import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
+import { beforeEach, describe, expect, it } from "vitest";
+import {
+  ClientMessageSchema,
+  ConfigSchema,
+  Film_Path,
+  FilePartSchema,
+  FileProgressSchema,
+  ProblemSchema,
+  ServerMessageSchema,
+  type ClientMessage,
+  type ServerMessage,
+} from "../protocol/gen/api/proto/stream_pb";
+import type { FileOrder } from "../protocol/file_messages";
+import type { Door, SocketEvents } from "../protocol/stream_client";
+import { some_scene } from "../scene/testing";
+import { FileShot, type FileState } from "./file_shot";
+
+const settled = () => new Promise((resolve) => setTimeout(resolve, 0));
+const turntable: FileOrder = { kind: "turntable", keys: [some_scene()], size: { width: 640, height: 480 }, frames: 200, frames_per_second: 25, error: 0.05 };
+
+/** A worker by hand. */
+class World {
+  states: FileState[] = [];
+  sent: ClientMessage[] = [];
+  socket: SocketEvents | null = null;
+  open = true;
+  door: Door = () => Promise.resolve({ ok: true, url: "/stream" });
+  shot: FileShot;
+
+  constructor(order: FileOrder = turntable) {
+    this.shot = new FileShot(order, {
+      door: (signal) => this.door(signal),
+      open_socket: (_, events) => {
+        this.socket = events;
+        return { send: (data) => this.sent.push(fromBinary(ClientMessageSchema, data)), close: () => (this.open = false) };
+      },
+      after: (ms, task) => {
+        if (ms === 0) queueMicrotask(task);
+        return () => undefined;
+      },
+      state: (state) => this.states.push(state),
+    });
+  }
+  say(body: ServerMessage["body"]): void {
+    this.socket?.message(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body })));
+  }
+  async live(): Promise<void> {
+    this.shot.start();
+    await settled();
+    this.socket?.opened();
+    this.config();
+    await settled();
+  }
+  config(): void {
+    this.say({ case: "config", value: create(ConfigSchema, { scene: some_scene() }) });
+  }
+  part(seq: bigint, text: string, last = false): void {
+    this.say({ case: "filePart", value: create(FilePartSchema, { seq, data: new TextEncoder().encode(text), last }) });
+  }
+  problem(code: string, field: string, fatal = false): void {
+    this.say({ case: "problem", value: create(ProblemSchema, { code, field, fatal, message: "Too many lights." }) });
+  }
+  get cases(): (string | undefined)[] {
+    return this.sent.map(({ body }) => body.case);
+  }
+  get state(): FileState | undefined {
+    return this.states.at(-1);
+  }
+}
+
+let world: World;
+beforeEach(async () => {
+  world = new World();
+  await world.live();
+});
+
+describe("a file to take away", () => {
+  it("is asked for with its views, by a session that renders nothing else", () => {
+    expect(world.cases).toEqual(["hello", "visibility", "keyView", "file"]);
+    const hello = world.sent[0]?.body;
+    expect(hello?.case === "hello" && hello.value.viewport).toMatchObject({ width: 16, height: 16 });
+    const seen = world.sent[1]?.body;
+    expect(seen?.case === "visibility" && seen.value.visible).toBe(false);
+    const file = world.sent[3]?.body;
+    expect(file?.case === "file" && file.value.kind.case === "film" && file.value.kind.value).toMatchObject({ path: Film_Path.TURNTABLE, frames: 200, framesPerSecond: 25, width: 640, height: 480, error: 0.05 });
+  });
+  it("says how far it is, and is put together of its parts", async () => {
+    world.say({ case: "fileProgress", value: create(FileProgressSchema, { done: 0.25 }) });
+    expect(world.state).toEqual({ kind: "rendering", done: 0.25, waits: null });
+    world.part(1n, "one ");
+    world.part(2n, "two", true);
+    expect(world.state?.kind).toBe("done");
+    const file = world.state?.kind === "done" ? world.state.file : new Blob();
+    expect(file.type).toBe("video/mp4");
+    expect(await file.text()).toBe("one two");
+    expect(world.open).toBe(false);
+  });
+  it("acknowledges each part, so that more come", () => {
+    world.part(1n, "one ");
+    world.part(2n, "two");
+    expect(world.sent.flatMap(({ body }) => (body.case === "fileTaken" ? [body.value.seq] : []))).toEqual([1n, 2n]);
+  });
+  it("of which a part is missing is none", () => {
+    world.part(1n, "one ");
+    world.part(3n, "three", true);
+    expect(world.state).toMatchObject({ kind: "failed", trouble: "refused" });
+  });
+  it("begins anew with another worker", async () => {
+    world.part(1n, "old");
+    world.config();
+    expect(world.cases.filter((one) => one === "file")).toHaveLength(2);
+    world.part(1n, "new", true);
+    expect(world.state?.kind === "done" && (await world.state.file.text())).toBe("new");
+  });
+  it("ends when it is given up, and says nothing after it", () => {
+    world.shot.stop();
+    expect(world.state).toMatchObject({ kind: "failed", trouble: "stopped" });
+    expect(world.open).toBe(false);
+    const told = world.states.length;
+    world.say({ case: "fileProgress", value: create(FileProgressSchema, { done: 1 }) });
+    world.part(1n, "one", true);
+    expect(world.states).toHaveLength(told);
+  });
+  it("ends in words where it is refused", () => {
+    world.problem("too_many", "file");
+    expect(world.state).toMatchObject({ kind: "failed", trouble: "busy" });
+    const refused = new World();
+    refused.shot.start();
+    return settled().then(async () => {
+      refused.socket?.opened();
+      refused.config();
+      await settled();
+      refused.problem("invalid", "file");
+      expect(refused.state).toEqual({ kind: "failed", trouble: "refused_scene", said: "Too many lights." });
+    });
+  });
+});
+
+it("a large picture is a PNG of one view", async () => {
+  const large = new World({ kind: "picture", keys: [some_scene()], size: { width: 8192, height: 6144 }, error: 0.02 });
+  await large.live();
+  const file = large.sent.at(-1)?.body;
+  expect(file?.case === "file" && file.value.kind.case === "picture" && file.value.kind.value).toMatchObject({ width: 8192, height: 6144, error: 0.02 });
+  large.part(1n, "png", true);
+  expect(large.state?.kind === "done" && large.state.file.type).toBe("image/png");
+});
+
+it("a tour says all its views in their order", async () => {
+  const tour = new World({ ...turntable, kind: "tour", keys: [some_scene(), some_scene(), some_scene()] });
+  await tour.live();
+  expect(tour.sent.flatMap(({ body }) => (body.case === "keyView" ? [body.value.index] : []))).toEqual([0, 1, 2]);
+});
+
+it("for which no time is left says so and ends", async () => {
+  const spent = new World();
+  spent.door = () => Promise.resolve({ ok: false, trouble: "time_spent", final: true });
+  spent.shot.start();
+  await settled();
+  expect(spent.state).toEqual({ kind: "failed", trouble: "time_spent", said: "" });
+});

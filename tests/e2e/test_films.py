@@ -1,0 +1,212 @@
+"""Files that a worker makes: films, pictures larger than a page holds; and what the renderer left out."""
+
+from __future__ import annotations
+
+import base64
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Page, expect
+
+from harness import TestStack
+from house.ingest_cases.phantom import Series, dataset, markers, stack as slices, write
+from person import Person
+from picture import drag, facts, wait_for_samples
+from test_take_away import chunks
+
+
+@pytest.fixture(scope="module")
+def marked(tmp_path_factory) -> Path:
+    """A volume with one ball, at the patient's left (x rises to the left) and nowhere else."""
+    folder = tmp_path_factory.mktemp("marked")
+    places = slices(20, 2.0, origin=(-16.8, -17.2, -20.0), rows=44, columns=48, intercept=-2000.0)
+    write(folder, [dataset(Series(values=markers((9.0, 0.0, 0.0), radius=4.0)), one) for one in places])
+    return folder
+
+
+def probed(film: Path) -> dict:
+    out = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_format", "-show_streams", "-of", "json", film],
+                         check=True, capture_output=True)
+    return json.loads(out.stdout)
+
+
+def frame(film: Path, number: int, width: int, height: int) -> np.ndarray:
+    """One frame's luma, rows from the top."""
+    out = subprocess.run(["ffmpeg", "-v", "error", "-i", film, "-vf", f"select=eq(n\\,{number})", "-frames:v", "1", "-f", "rawvideo",
+                          "-pix_fmt", "gray", "-"], check=True, capture_output=True)
+    return np.frombuffer(out.stdout, np.uint8).reshape(height, width).astype(float)
+
+
+def middle(luma: np.ndarray) -> float:
+    """Where what is bright lies: -1 at the left edge, 1 at the right."""
+    bright = np.clip(luma - np.percentile(luma, 50) - 8, 0, None)
+    assert bright.sum() > 0
+    across = np.linspace(-1, 1, luma.shape[1])
+    return float((bright * across).sum() / bright.sum())
+
+
+def sessions(page: Page) -> int:
+    return page.evaluate("fetch('/v1/sessions').then((r) => r.json()).then((s) => s.items.length)")
+
+
+def taking(page: Page, what: str):
+    page.keyboard.press("s")
+    dialog = page.get_by_role("dialog", name="Take it with you")
+    dialog.get_by_label("What", exact=True).select_option(what)
+    return dialog
+
+
+def saved_film(page: Page, dialog, to: Path) -> Path:
+    with page.expect_download() as download:
+        dialog.get_by_role("button", name="Save the video").click()
+        expect(page.locator("[data-shot=rendering]")).to_be_visible()
+    assert download.value.suggested_filename == "diaphane.mp4"
+    film = to / "diaphane.mp4"
+    download.value.save_as(film)
+    expect(page.get_by_text("The video is saved.")).to_be_visible()
+    return film
+
+
+def expect_plain_film(film: Path, frames: int, rate: int, seconds: float) -> tuple[int, int]:
+    """What a player finds, and nothing about anybody; its size."""
+    seen = probed(film)
+    [video] = seen["streams"]
+    assert (video["codec_name"], video["pix_fmt"]) == ("h264", "yuv420p")
+    assert int(video["nb_read_frames"]) == frames and video["avg_frame_rate"] == f"{rate}/1"
+    assert abs(float(seen["format"]["duration"]) - seconds) < 0.01
+    tags = {name.lower() for part in (seen["format"], video) for name in part.get("tags", {})}
+    assert not tags & {"title", "comment", "creation_time", "artist", "date", "encoder"}, tags
+    data = film.read_bytes()
+    assert 0 < data.find(b"moov") < data.find(b"mdat"), "a player could not begin before the end has come"
+    return video["width"], video["height"]
+
+
+def test_a_turntable_shows_the_other_side_half_way_round(stack: TestStack, visit, marked: Path, pictures: Path, tmp_path: Path):
+    page = visit(small=True)
+    person = Person.arrives(stack, page, "toni")
+    scan = person.has_scan(marked, "Erika Mustermann")
+    page.goto(f"{stack.url}/view/{scan}")
+    page.get_by_role("button", name="Bone", exact=True).click()
+    wait_for_samples(stack, page, 8, input_seq=1)
+
+    dialog = taking(page, "turntable")
+    page.screenshot(path=pictures / "film-dialog.png")
+    # What cannot be is said, and nothing is begun.
+    dialog.get_by_label("Seconds").fill("61")
+    dialog.get_by_role("button", name="Save the video").click()
+    expect(dialog.get_by_role("alert")).to_have_text("A video lasts 1 to 60 seconds. Please type a whole number.")
+    dialog.get_by_label("Seconds").fill("1")
+    dialog.get_by_label("Frames a second").select_option("10")
+    dialog.get_by_label("Size").select_option("small")
+    expect(dialog.get_by_text("10 pictures are rendered for it.")).to_be_visible()
+    film = saved_film(page, dialog, tmp_path)
+    page.screenshot(path=pictures / "film-saved.png")
+    width, height = expect_plain_film(film, frames=10, rate=10, seconds=1)
+    assert width == 640 and height % 2 == 0
+    assert b"Mustermann" not in film.read_bytes() and scan.encode() not in film.read_bytes()
+    front, side, back = (middle(frame(film, n, width, height)) for n in (0, 2, 5))
+    # The patient's left is at the viewer's right, and after half a turn at the viewer's left.
+    assert front > 0.1 and back < -0.1 and abs(side) < abs(front), (front, side, back)
+    stack.wait_until(lambda: page.wait_for_timeout(50) or sessions(page) == 1, what="the session given back")
+    page.get_by_role("button", name="Hide this").click()
+
+    # Given up: nothing is saved, the live picture answers on the way, and nothing of it is left.
+    page.on("download", lambda _: pytest.fail("something was saved"))
+    dialog = taking(page, "turntable")
+    dialog.get_by_label("Seconds").fill("60")
+    dialog.get_by_label("Frames a second").select_option("60")
+    dialog.get_by_role("button", name="Save the video").click()
+    line = page.locator("[data-shot=rendering]")
+    expect(line.locator("progress[value]")).to_be_visible()
+    page.screenshot(path=pictures / "film-rendering.png")
+    before = facts(page)
+    page.keyboard.press("ArrowRight")
+    stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq > before.input_seq, what="the live picture")
+    line.get_by_role("button", name="Cancel").click()
+    expect(page.get_by_text("No video was saved.")).to_be_visible()
+    stack.wait_until(lambda: page.wait_for_timeout(50) or sessions(page) == 1, what="the session given back")
+    assert not [*Path(stack.data_dir).rglob("*.mp4")]
+
+
+def test_a_tour_goes_from_one_saved_preset_to_the_next(stack: TestStack, visit, marked: Path, pictures: Path, tmp_path: Path):
+    page = visit(small=True)
+    person = Person.arrives(stack, page, "rudi")
+    scan = person.has_scan(marked, "Tour")
+    page.goto(f"{stack.url}/view/{scan}")
+    page.get_by_role("button", name="Bone", exact=True).click()
+    wait_for_samples(stack, page, 4, input_seq=1)
+    dialog = taking(page, "tour")
+    expect(dialog.get_by_text("No preset of this scan is saved yet.")).to_be_visible()
+    dialog.get_by_role("button", name="Save the video").click()
+    expect(dialog.get_by_role("alert")).to_have_text("A tour goes through 2 to 16 views.")
+    page.keyboard.press("Escape")
+    for name in ("From the front", "From the side"):
+        page.get_by_role("button", name="Saved presets").click()
+        page.get_by_label("Name of the new preset").fill(name)
+        page.get_by_role("button", name="Save the picture as it is now").click()
+        expect(page.get_by_text(f"Saved as {name}.")).to_be_visible()
+        page.keyboard.press("Escape")
+        drag(page, 110, 0)
+        before = facts(page).input_seq
+        stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq >= before, what="another view")
+    dialog = taking(page, "tour")
+    page.screenshot(path=pictures / "tour-dialog.png")
+    dialog.get_by_label("What you see now").uncheck()
+    dialog.get_by_label("Seconds").fill("1")
+    dialog.get_by_label("Frames a second").select_option("10")
+    dialog.get_by_label("Size").select_option("small")
+    film = saved_film(page, dialog, tmp_path)
+    width, height = expect_plain_film(film, frames=10, rate=10, seconds=1)
+    seen = [middle(frame(film, n, width, height)) for n in range(10)]
+    assert abs(seen[0] - seen[-1]) > 0.05, "two views"
+    steps = np.abs(np.diff(seen))
+    assert steps.max() < 0.6 * abs(seen[0] - seen[-1]), f"no jump: {seen}"
+
+
+def test_a_picture_larger_than_a_page_holds_is_saved(stack: TestStack, visit, marked: Path, tmp_path: Path):
+    page = visit(small=True)
+    person = Person.arrives(stack, page, "lars")
+    scan = person.has_scan(marked, "Erika Mustermann")
+    page.goto(f"{stack.url}/view/{scan}")
+    wait_for_samples(stack, page, 4)
+    dialog = taking(page, "picture")
+    dialog.get_by_label("Size").select_option("other")
+    dialog.get_by_label("Width").fill("4112")
+    dialog.get_by_label("Height").fill("272")    # bands of 240 and 32 rows
+    dialog.get_by_label("How clean").select_option("quick")
+    with page.expect_download() as download:
+        dialog.get_by_role("button", name="Save the picture").click()
+    png = Path(download.value.path()).read_bytes()
+    assert download.value.suggested_filename == "diaphane.png"
+    assert set(chunks(png)) == {"IHDR", "IDAT", "IEND"}
+    assert b"Mustermann" not in png
+    size = page.evaluate("""async (data) => {
+        const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
+        const picture = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+        return [picture.width, picture.height];
+    }""", base64.b64encode(png).decode())
+    assert size == [4112, 272]
+
+
+def test_what_was_left_out_is_told_in_plain_words(stack: TestStack, visit, marked: Path, pictures: Path):
+    for phone in (False, True):
+        page = visit(phone=phone)
+        person = Person.arrives(stack, page, "karla")
+        scan = person.has_scan(marked, "Facts")
+        page.goto(f"{stack.url}/view/{scan}")
+        wait_for_samples(stack, page, 4)
+        if phone:
+            page.get_by_role("button", name="Show the quality").click()
+        page.get_by_role("button", name="What was left out to be faster").click()
+        expect(page.locator("[data-fact=left-out]")).to_contain_text("matter that glows")
+        expect(page.locator("[data-fact=compiled-in]")).not_to_be_empty()
+        expect(page.get_by_text("of the volume is empty and is skipped")).to_be_visible()
+        page.screenshot(path=pictures / f"kernel-{'phone' if phone else 'desk'}.png")
+        page.keyboard.press("Escape")
+        page.keyboard.press("s")
+        dialog = page.get_by_role("dialog", name="Take it with you")
+        dialog.get_by_label("What", exact=True).select_option("turntable")
+        page.screenshot(path=pictures / f"film-dialog-{'phone' if phone else 'desk'}.png")
