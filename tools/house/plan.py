@@ -151,7 +151,7 @@ def _renderd(s: Settings) -> Program:
 
 
 def nginx_conf(s: Settings, template: str) -> str:
-    """The edge's configuration with every @NAME@ replaced."""
+    """The edge’s configuration with every @NAME@ replaced."""
     values = {
         "LISTEN": f"127.0.0.1:{s.ports['edge']}", "API_PORT": s.ports["api"], "STREAM_PORT": s.ports["stream"],
         "STATIC_DIR": s.layout.static, "RUN_DIR": s.data / "run", "CACHE_DIR": s.data / "cache",

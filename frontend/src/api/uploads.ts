@@ -1,5 +1,6 @@
 import { signal, type ReadonlySignal } from "@preact/signals";
 import { make_bundle } from "../scan/bundle";
+import { local } from "../storage";
 import { ApiProblem, type Api } from "./client";
 import { random_key } from "./random_key";
 import { OtherWindows } from "./other_windows";
@@ -52,7 +53,7 @@ export class Uploads {
     const earlier = await this.go_on_with(fingerprint, bundle.size);
     const upload = earlier ?? (await this.create(title, bundle.size, files.length));
     const id = upload.data_set_id;
-    remember_upload(localStorage, fingerprint, upload);
+    remember_upload(local, fingerprint, upload);
     this.own_.set(id, { bundle, url: upload.upload_url, running: null });
     this.show({ ...begun(id, bundle.size), sent: earlier?.received ?? 0 });
     this.send_next();
@@ -62,7 +63,7 @@ export class Uploads {
 
   /** The unfinished upload of these files that the server still has; it stands at `received` bytes. */
   async interrupted(fingerprint: string, bytes: number): Promise<(RememberedUpload & { readonly received: number }) | null> {
-    const known = remembered_upload(localStorage, fingerprint);
+    const known = remembered_upload(local, fingerprint);
     if (known?.bytes !== bytes || this.own_.has(known.data_set_id)) return null;
     try {
       const { state, upload } = await this.api_.data_set(known.data_set_id);
@@ -87,7 +88,7 @@ export class Uploads {
   /** Stops and removes it, here and at the server. */
   async cancel(id: string): Promise<void> {
     this.drop(id);
-    forget_upload(localStorage, id);
+    forget_upload(local, id);
     this.send_next();
     await this.api_.delete_data_set(id);
   }
@@ -105,7 +106,7 @@ export class Uploads {
 
   /** As `interrupted`, and this window is the one that sends it from now on. */
   private async go_on_with(fingerprint: string, bytes: number): ReturnType<Uploads["interrupted"]> {
-    const known = remembered_upload(localStorage, fingerprint);
+    const known = remembered_upload(local, fingerprint);
     if (known?.bytes !== bytes || this.own_.has(known.data_set_id)) return null;
     if (!(await this.others_.claim(known.data_set_id))) throw new SentElsewhere();
     let found: Awaited<ReturnType<Uploads["interrupted"]>> = null;
@@ -143,7 +144,7 @@ export class Uploads {
       hindered: (by) => this.change(id, (view) => hindered(view, by)),
       end: (end) => {
         if (end.kind === "done") {
-          forget_upload(localStorage, id);
+          forget_upload(local, id);
           this.let_go(id);
           this.change(id, (view) => in_phase({ ...view, sent: view.total }, "sent"));
         } else {

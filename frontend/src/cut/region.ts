@@ -1,5 +1,6 @@
+import type { Area } from "../input/flat";
 import { dot, length, scale, subtract, vec3, type Vec3 } from "../input/vec3";
-import { apart, face_of, middle_of, on_screen, plane_in_box, type Axis, type Box, type Eye, type Screen } from "../picture/project";
+import { apart, face_of, middle_of, on_screen, plane_in_box, type Axis, type Box, type Eye } from "../picture/project";
 
 /** Where a plane's normal points, from straight ahead, and where the plane is. */
 export interface FacePlane {
@@ -119,7 +120,7 @@ export interface PlacedHandle {
  * The handles that a hand can take, each where it is on the screen. Of two that would lie on each other the one that is held
  * stays, then the plane's, then the nearer one.
  */
-export function handles_to_take(eye: Eye, screen: Screen, region: Region, held: Handle | null): PlacedHandle[] {
+export function handles_to_take(eye: Eye, screen: Area, region: Region, held: Handle | null): PlacedHandle[] {
   const placed = handles.flatMap((handle) => {
     const where = place_of(handle, region);
     const point = where && on_screen(eye, screen, where.place);

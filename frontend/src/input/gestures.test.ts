@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { Gestures, wheel_zoom, type PointerSample } from "./gestures";
-import { command_of } from "./keys";
+import { command_of, type Focused } from "./keys";
 
 const area = { width: 800, height: 400 };
 const at = (x: number, y: number, more: Partial<PointerSample> = {}): PointerSample => ({
@@ -71,7 +71,7 @@ describe("touch", () => {
 });
 
 describe("the keys", () => {
-  const press = (key: string, more = {}) => command_of({ key, shift: false, ctrl: false, alt: false, meta: false, ...more });
+  const press = (key: string, more = {}, focused: Focused = "none") => command_of({ key, shift: false, ctrl: false, alt: false, meta: false, ...more }, focused);
   it("do what the table says", () => {
     expect(press("ArrowLeft")).toMatchObject({ gesture: { kind: "rotate", down: 0 } });
     expect(press("ArrowUp", { shift: true })).toMatchObject({ gesture: { kind: "pan", right: 0, down: -0.03 } });
@@ -79,6 +79,11 @@ describe("the keys", () => {
     expect(press("+")).toMatchObject({ gesture: { kind: "zoom", factor: 1.12 } });
     expect(["r", "3", "f", "S", "?"].map((key) => press(key)?.kind)).toEqual(["reset", "preset", "fullscreen", "screenshot", "help"]);
     expect(press("3")).toEqual({ kind: "preset", index: 2 });
+  });
+  it("leave what has the focus its own: text all of them, a row of choices but those of the views", () => {
+    expect([press("v")?.kind, press("M")?.kind, press("v", { ctrl: true })]).toEqual(["slices", "alone", null]);
+    expect(["v", "m", "ArrowLeft", "3", "r"].map((key) => press(key, {}, "choice")?.kind)).toEqual(["slices", "alone", undefined, undefined, undefined]);
+    for (const focused of ["text", "list"] as const) expect(["v", "m", "ArrowLeft", "3", "r"].map((key) => press(key, {}, focused))).toEqual([null, null, null, null, null]);
   });
   it("leave the browser its own", () => {
     for (const [key, more] of [["r", { ctrl: true }], ["s", { meta: true }], ["ArrowLeft", { alt: true }], ["5", {}], ["Tab", {}]] as const)

@@ -1,3 +1,5 @@
+import type { Area, Point } from "./flat";
+
 /** What a hand does, as plain data. Lengths are parts of the picture's height, angles radians. */
 export type Gesture =
   | { readonly kind: "rotate"; readonly right: number; readonly down: number }
@@ -14,11 +16,6 @@ export interface PointerSample {
   readonly button: number;
   readonly shift: boolean;
   readonly ctrl: boolean;
-}
-
-export interface Area {
-  readonly width: number;
-  readonly height: number;
 }
 
 type Mode = "rotate" | "pan" | "zoom" | "roll";
@@ -84,7 +81,7 @@ function one(before: Held, now: Held, area: Area): Gesture[] {
 }
 
 /** Clockwise, as y goes down. */
-const angle_about_middle = (at: { x: number; y: number }, area: Area): number =>
+const angle_about_middle = (at: Point, area: Area): number =>
   Math.atan2(at.y - area.height / 2, at.x - area.width / 2);
 
 /** One finger moved while another rests: what lies between the two moves and grows with them. */

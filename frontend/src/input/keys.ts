@@ -6,7 +6,12 @@ export type KeyCommand =
   | { readonly kind: "preset"; readonly index: number }
   | { readonly kind: "fullscreen" }
   | { readonly kind: "screenshot" }
-  | { readonly kind: "help" };
+  | { readonly kind: "help" }
+  | { readonly kind: "slices" }
+  | { readonly kind: "alone" };
+
+/** What a key is pressed on: text and lists take letters, a slider or a box takes arrows and leaves the rest. */
+export type Focused = "text" | "list" | "choice" | "none";
 
 export interface KeyPress {
   readonly key: string;
@@ -21,10 +26,12 @@ const zoom_step = 1.12;
 
 /**
  * Arrows rotate, with Shift they pan, with Ctrl left and right roll: every drag has a key.
- * Nothing for keys that belong to the browser.
+ * Nothing for keys that belong to the browser, or to what has the focus.
  */
-export function command_of(press: KeyPress): KeyCommand | null {
-  if (press.alt || press.meta) return null;
+export function command_of(press: KeyPress, focused: Focused): KeyCommand | null {
+  if (press.alt || press.meta || focused === "text" || focused === "list") return null;
+  const view = press.ctrl ? undefined : views[press.key.toLowerCase()];
+  if (view || focused === "choice") return view ?? null;
   const arrow = arrows[press.key];
   if (arrow) return arrow_command(arrow, press);
   if (press.ctrl) return null;
@@ -50,6 +57,9 @@ export function command_of(press: KeyPress): KeyCommand | null {
       return /^[1-4]$/.test(press.key) ? { kind: "preset", index: Number(press.key) - 1 } : null;
   }
 }
+
+/** Also from a tool of the slices: a row of choices keeps the focus. */
+const views: Readonly<Record<string, KeyCommand>> = { v: { kind: "slices" }, m: { kind: "alone" } };
 
 const arrows: Readonly<Record<string, readonly [number, number]>> = {
   ArrowLeft: [-1, 0],

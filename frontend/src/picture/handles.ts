@@ -1,3 +1,4 @@
+import type { Area, Point } from "../input/flat";
 import { add, length, normalize, scale, subtract, vec3, type Vec3 } from "../input/vec3";
 import { camera_of } from "../protocol/messages";
 import type { Scene } from "../protocol/gen/api/proto/scene_pb";
@@ -5,7 +6,7 @@ import * as cuts from "../scene/cuts";
 import { direction_on_ball, unit_of } from "../scene/direction";
 import * as lights from "../scene/lights";
 import { clamp } from "../scene/numbers";
-import { beside, dragged, face_of, middle_of, on_screen, plane_in_box, type Axis, type Box, type Eye, type Point, type Screen } from "./project";
+import { beside, dragged, face_of, middle_of, on_screen, plane_in_box, type Axis, type Box, type Eye } from "./project";
 
 /** What a hand takes hold of in the picture. As a slider: where it is and how far it goes. */
 export interface Handle extends Point {
@@ -34,7 +35,7 @@ export function eye_of(scene: Scene): Eye | null {
 const key_of = (of: HandleOf): string => (of.kind === "face" ? `${of.axis}-${of.side}` : `${of.kind}-${of.index}`);
 
 /** Of the box's faces and of each plane: one that moves it and one at the tip of its normal that turns it. */
-export function cut_handles(scene: Scene, bounds: Box, screen: Screen): Handle[] {
+export function cut_handles(scene: Scene, bounds: Box, screen: Area): Handle[] {
   const eye = eye_of(scene);
   if (!eye) return [];
   const box = cuts.box_of(scene, bounds);
@@ -78,10 +79,10 @@ export function drawn_plane(scene: Scene, bounds: Box, index: number): DrawnPlan
 
 /** The half of the picture's shorter side that is the radius of the ball on which lights stand. */
 const ball_part = 0.8;
-export const ball_radius = (screen: Screen): number => Math.max(1, (ball_part * Math.min(screen.width, screen.height)) / 2);
+export const ball_radius = (screen: Area): number => Math.max(1, (ball_part * Math.min(screen.width, screen.height)) / 2);
 
 /** Each light where it comes from, on a ball around the middle of the picture; the environment has no place. */
-export function light_handles(scene: Scene, screen: Screen): Handle[] {
+export function light_handles(scene: Scene, screen: Area): Handle[] {
   const eye = eye_of(scene);
   if (!eye) return [];
   const radius = ball_radius(screen);
@@ -96,7 +97,7 @@ export function light_handles(scene: Scene, screen: Screen): Handle[] {
 }
 
 /** The scene after a hand has taken a handle from where it is to `to`. */
-export function handle_dragged(scene: Scene, bounds: Box, screen: Screen, handle: Handle, to: Point): Scene {
+export function handle_dragged(scene: Scene, bounds: Box, screen: Area, handle: Handle, to: Point): Scene {
   const eye = eye_of(scene);
   if (!eye) return scene;
   const by = { x: to.x - handle.x, y: to.y - handle.y };

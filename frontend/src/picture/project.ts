@@ -1,3 +1,4 @@
+import type { Area, Point } from "../input/flat";
 import { orbit_frame, orbit_of, type CameraFrame, type CameraPose } from "../input/camera";
 import { add, dot, scale, subtract, vec3, type Vec3 } from "../input/vec3";
 import { across } from "../scene/direction";
@@ -6,17 +7,6 @@ import { across } from "../scene/direction";
 export interface Eye extends CameraPose {
   /** mm that the picture is high at any depth; absent or 0: perspective. */
   readonly orthographicHeight?: number;
-}
-
-export interface Screen {
-  readonly width: number;
-  readonly height: number;
-}
-
-/** Pixels from the picture's upper left. */
-export interface Point {
-  readonly x: number;
-  readonly y: number;
 }
 
 export interface Box {
@@ -29,11 +19,11 @@ export type Axis = "x" | "y" | "z";
 export const frame_of = (eye: CameraPose): CameraFrame => orbit_frame(orbit_of(eye));
 
 /** How many pixels a mm is at so many mm ahead of the eye. */
-const pixels_per_mm = (eye: Eye, screen: Screen, ahead: number): number =>
+const pixels_per_mm = (eye: Eye, screen: Area, ahead: number): number =>
   eye.orthographicHeight ? screen.height / eye.orthographicHeight : screen.height / 2 / Math.tan((eye.verticalFovDegrees * Math.PI) / 360) / ahead;
 
 /** Nothing for what lies behind the eye. */
-export function on_screen(eye: Eye, screen: Screen, place: Vec3): Point | null {
+export function on_screen(eye: Eye, screen: Area, place: Vec3): Point | null {
   const frame = frame_of(eye);
   const from_eye = subtract(place, eye.eye);
   const ahead = -dot(from_eye, frame.back);
@@ -43,7 +33,7 @@ export function on_screen(eye: Eye, screen: Screen, place: Vec3): Point | null {
 }
 
 /** The place, no nearer and no farther than `place`, that is seen so many pixels beside it. */
-export function beside(eye: Eye, screen: Screen, place: Vec3, by: Point): Vec3 {
+export function beside(eye: Eye, screen: Area, place: Vec3, by: Point): Vec3 {
   const frame = frame_of(eye);
   const mm = 1 / pixels_per_mm(eye, screen, Math.max(1, -dot(subtract(place, eye.eye), frame.back)));
   return add(place, add(scale(frame.right, by.x * mm), scale(frame.up, -by.y * mm)));
@@ -53,7 +43,7 @@ export function beside(eye: Eye, screen: Screen, place: Vec3, by: Point): Vec3 {
  * How many mm along `along` a hand means that moves by so many pixels. Nothing when the way points at the viewer, so that
  * a pixel would be too far to be meant.
  */
-export function dragged(eye: Eye, screen: Screen, place: Vec3, along: Vec3, by: Point): number | null {
+export function dragged(eye: Eye, screen: Area, place: Vec3, along: Vec3, by: Point): number | null {
   const here = on_screen(eye, screen, place), ahead = on_screen(eye, screen, add(place, along));
   if (!here || !ahead) return null;
   const x = ahead.x - here.x, y = ahead.y - here.y;

@@ -1,6 +1,7 @@
 import { create, fromBinary, toBinary, equals, fromJsonString, toJsonString } from "@bufbuild/protobuf";
 import type { CameraPose } from "../input/camera";
 import { length, subtract, vec3, type Vec3 } from "../input/vec3";
+import { full_effort, type Effort } from "../scene/effort";
 import type { Plane, Stack } from "../slices/stack";
 import type { Coming, SliceId } from "../slices/store";
 import {
@@ -9,6 +10,7 @@ import {
   ClientMessageSchema,
   Codec,
   DepthQuerySchema,
+  EffortSchema,
   HandoverSchema,
   HelloSchema,
   NeedKeySchema,
@@ -76,6 +78,7 @@ export interface SceneChange {
   readonly viewport?: Viewport;
   /** The gesture is over. */
   readonly rest?: boolean;
+  readonly effort?: Effort;
 }
 
 export function encode_scene(input_seq: number, change: SceneChange): Bytes {
@@ -83,6 +86,9 @@ export function encode_scene(input_seq: number, change: SceneChange): Bytes {
   if (change.scene) value.scene = change.scene;
   if (change.viewport) value.viewport = create(ViewportSchema, change.viewport);
   value.rest = change.rest ?? false;
+  const { smooth, stop_error, stop_samples, moving_scale } = change.effort ?? full_effort;
+  value.raw = !smooth;
+  value.effort = create(EffortSchema, { stopError: stop_error, stopSamples: BigInt(stop_samples), movingScale: moving_scale });
   return encoded(create(ClientMessageSchema, { body: { case: "scene", value } }));
 }
 

@@ -263,6 +263,30 @@ describe("the stream client", () => {
     expect(world.looks).toEqual([10]);
   });
 
+  it("tells each worker how much work is wanted, with and without a scene, and nothing where it is all", async () => {
+    await world.live(1, 0);
+    expect(world.updates()).toEqual([]);
+    const effort = { smooth: false, stop_error: 0.1, stop_samples: 0, moving_scale: 0.5 };
+    world.client.set_effort(effort);
+    world.screen();
+    const said = () => world.sent.flatMap(({ body }) => (body.case === "scene" ? [body.value] : [])).at(-1);
+    expect(said()).toMatchObject({ raw: true, effort: { stopError: 0.1, movingScale: 0.5 } });
+    expect(said()?.scene).toBeUndefined();
+    world.client.set_scene(scene(6));
+    world.screen();
+    expect(said()).toMatchObject({ raw: true, effort: { stopError: 0.1 } });
+    world.sockets.at(-1)?.closed(4503);
+    world.timeout();
+    await Promise.resolve();
+    await Promise.resolve();
+    world.sockets.at(-1)?.opened();
+    const before = world.updates().length;
+    world.config(6, 2);
+    world.screen();
+    expect(world.updates()).toHaveLength(before + 1);
+    expect(said()).toMatchObject({ raw: true, effort: { stopError: 0.1 } });
+  });
+
   it("speaks again when the presenter's role comes to it, and no more when it goes", async () => {
     await world.live(1, 0);
     world.config(9, 3, true);

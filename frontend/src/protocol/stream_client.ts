@@ -27,6 +27,7 @@ import {
   type Viewport,
 } from "./messages";
 import { encode_file, encode_file_taken, encode_kernel_wanted, type FileOrder, type FilePart, type KernelReport } from "./file_messages";
+import { full_effort, type Effort } from "../scene/effort";
 import type { SliceId } from "../slices/store";
 
 /** Leads to a worker: a one-time address, or why there is none. Asked anew for each try. */
@@ -98,6 +99,8 @@ export class StreamClient {
   private scene_pending_ = false;
   private rest_pending_ = false;
   private viewport_pending_ = false;
+  private effort_ = full_effort;
+  private effort_pending_ = false;
   private holding_ = false;
   /** The scene is this page's to change: it presents, or has a camera of its own. */
   private leads_ = true;
@@ -174,6 +177,14 @@ export class StreamClient {
     this.plan_flush();
   }
 
+  /** Said to each worker anew. */
+  set_effort(effort: Effort): void {
+    this.effort_ = effort;
+    if (!this.leads_) return;
+    this.effort_pending_ = true;
+    this.plan_flush();
+  }
+
   set_viewport(viewport: Viewport): void {
     if (viewport.width === this.viewport_.width && viewport.height === this.viewport_.height) return;
     this.viewport_ = viewport;
@@ -244,7 +255,7 @@ export class StreamClient {
 
   /** Whether there was something to send, and somebody to hear it. */
   private flush(): boolean {
-    if (!this.scene_pending_ && !this.viewport_pending_ && !this.rest_pending_) return false;
+    if (!this.scene_pending_ && !this.viewport_pending_ && !this.rest_pending_ && !this.effort_pending_) return false;
     if (this.state_.phase !== "live" || !this.socket_) return false; // said by `configured` once there is a connection
     this.input_seq_ += 1;
     this.socket_.send(
@@ -252,11 +263,13 @@ export class StreamClient {
         ...(this.scene_pending_ && this.scene_ ? { scene: this.scene_ } : {}),
         ...(this.viewport_pending_ ? { viewport: this.viewport_ } : {}),
         rest: this.rest_pending_,
+        effort: this.effort_,
       }),
     );
     this.scene_pending_ = false;
     this.rest_pending_ = false;
     this.viewport_pending_ = false;
+    this.effort_pending_ = false;
     return true;
   }
 
@@ -269,6 +282,7 @@ export class StreamClient {
     if (this.scene_ && (this.scene_pending_ || seen < this.input_seq_)) this.scene_pending_ = true;
     else if (config.scene) this.scene_ = config.scene;
     this.input_seq_ = Math.max(this.input_seq_, seen);
+    this.effort_pending_ = this.leads_ && this.effort_ !== full_effort; // a worker begins with all of it
     if (!this.visible_) this.socket_?.send(encode_visibility(false));
     this.events_.config(this.scene_ ? { ...config, scene: this.scene_ } : config);
     this.plan_flush();

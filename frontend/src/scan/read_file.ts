@@ -1,3 +1,4 @@
+import { read_at_most } from "../streams";
 import { deflated_from, read_header, type HeaderRead } from "./dicom";
 import type { SliceHeader } from "./types";
 
@@ -39,7 +40,8 @@ export class HeaderReader {
 
 /** What it unpacks to is a file of its own, without a header, and is what is sent. */
 async function read_deflated(packed: Blob, index: number, file_bytes: number): Promise<HeaderRead> {
-  const bytes = await inflate(packed);
+  // Where the end of the file was cut off, what came before it is used.
+  const { bytes } = await read_at_most(packed.stream().pipeThrough(new DecompressionStream("deflate-raw")), inflated_limit);
   const read = read_header(bytes, index, bytes.length);
   if (read.kind !== "headers") return { kind: "unreadable" };
   const inflated = new Blob([bytes]);
@@ -66,29 +68,4 @@ async function with_end_of_fragments(file: Blob, begin: Uint8Array<ArrayBuffer>,
     at += 8 + length;
   }
   return headers.map((header) => ({ ...header, voxels: null, truncated: true }));
-}
-
-/** The inflated bytes: bounded, whatever the file promises. */
-async function inflate(packed: Blob): Promise<Uint8Array<ArrayBuffer>> {
-  const parts: Uint8Array[] = [];
-  let length = 0;
-  const reader = packed.stream().pipeThrough(new DecompressionStream("deflate-raw")).getReader();
-  try {
-    while (length < inflated_limit) {
-      const { done, value } = await reader.read();
-      if (done) break;
-      parts.push(value.subarray(0, inflated_limit - length));
-      length += value.length;
-    }
-  } catch {
-    // The end of the file was cut off: what came before it is used.
-  }
-  await reader.cancel().catch(() => undefined);
-  const all = new Uint8Array(Math.min(length, inflated_limit));
-  let at = 0;
-  for (const part of parts) {
-    all.set(part, at);
-    at += part.length;
-  }
-  return all;
 }

@@ -1,5 +1,6 @@
 import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import { SceneSchema, type Light, type Scene } from "../protocol/gen/api/proto/scene_pb";
+import { read_at_most, type StreamEnd } from "../streams";
 
 /** A scene as it stands behind the # of an address, where no server sees it: version, point, deflated Protobuf in base64url. */
 const version = 1;
@@ -32,9 +33,9 @@ function without_words(scene: Scene): Scene {
 export async function link_of(scene: Scene): Promise<string | null> {
   const bytes = toBinary(SceneSchema, create(SceneSchema, without_words(scene)));
   if (bytes.length > most_bytes) return null;
-  const packed = await through(new Blob([bytes]), new CompressionStream("deflate-raw"), Infinity);
+  const { bytes: packed, end } = await through(bytes, new CompressionStream("deflate-raw"), most_text);
   const text = `#view=${version}.${base64url(packed)}`;
-  return text.length > most_text ? null : text;
+  return end !== "whole" || text.length > most_text ? null : text;
 }
 
 /** Of any text at all. A scene that is none of the renderer's is its to refuse. */
@@ -44,7 +45,8 @@ export async function scene_of_link(hash: string): Promise<LinkedScene> {
   if (said !== "" && Number(said) > version) return { kind: "newer" };
   if (Number(said) !== version || hash.length > most_text) return { kind: "damaged" };
   try {
-    const bytes = await through(new Blob([bytes_of(text)]), new DecompressionStream("deflate-raw"), most_bytes);
+    const { bytes, end } = await through(bytes_of(text), new DecompressionStream("deflate-raw"), most_bytes);
+    if (end !== "whole") return { kind: "damaged" };
     const scene = fromBinary(SceneSchema, bytes);
     const whole = scene.camera?.eye && scene.camera.target && scene.transferFunction;
     return whole ? { kind: "scene", scene: without_words(scene) } : { kind: "damaged" };
@@ -53,21 +55,8 @@ export async function scene_of_link(hash: string): Promise<LinkedScene> {
   }
 }
 
-/** @throws on what is not packed, and on more than `most` bytes: a short text may unpack to very many. */
-async function through(blob: Blob, packer: CompressionStream | DecompressionStream, most: number): Promise<Uint8Array> {
-  const reader = blob.stream().pipeThrough(packer).getReader();
-  const parts: Uint8Array<ArrayBuffer>[] = [];
-  let length = 0;
-  for (let next = await reader.read(); !next.done; next = await reader.read()) {
-    length += next.value.length;
-    if (length > most) {
-      void reader.cancel().catch(() => undefined);
-      throw new RangeError("more than a scene");
-    }
-    parts.push(next.value);
-  }
-  return new Uint8Array(await new Blob(parts).arrayBuffer());
-}
+const through = (bytes: Uint8Array<ArrayBuffer>, packer: CompressionStream | DecompressionStream, most: number): Promise<StreamEnd> =>
+  read_at_most(new Blob([bytes]).stream().pipeThrough(packer), most);
 
 const base64url = (bytes: Uint8Array): string =>
   btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join("")).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");

@@ -1,4 +1,4 @@
-import type { Point } from "./placing";
+import type { Point } from "../input/flat";
 
 /** What hands do in the view of a slice, as plain data. Lengths in CSS pixels. */
 export type Deed =

@@ -1,3 +1,4 @@
+import type { Area, Point } from "../input/flat";
 import { clamp } from "../scene/numbers";
 import { pixel_size, type Stack } from "./stack";
 
@@ -6,15 +7,6 @@ export interface Placing {
   readonly zoom: number;
   readonly column: number;
   readonly row: number;
-}
-
-export interface Area {
-  readonly width: number;
-  readonly height: number;
-}
-export interface Point {
-  readonly x: number;
-  readonly y: number;
 }
 
 export const zoom_limits = { low: 0.5, high: 40 } as const;

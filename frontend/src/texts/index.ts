@@ -1,4 +1,5 @@
 import { signal } from "@preact/signals";
+import { local } from "../storage";
 import { choose_language, place_of, type Language } from "./choose";
 import type { en } from "./en/en";
 import type { Translation } from "./shape";
@@ -25,22 +26,10 @@ export async function load_texts(wanted: Language): Promise<void> {
   language.value = wanted;
 }
 
-function kept(): string | null {
-  try {
-    return localStorage.getItem(key);
-  } catch {
-    return null; // a browser that keeps nothing
-  }
-}
-
-export const first_language = (): Language => choose_language(kept(), navigator.languages);
+export const first_language = (): Language => choose_language(local.getItem(key), navigator.languages);
 
 /** As a person chose it, here and at the next visit. */
 export async function change_language(wanted: Language): Promise<void> {
   await load_texts(wanted);
-  try {
-    localStorage.setItem(key, wanted);
-  } catch {
-    // For this visit alone, then.
-  }
+  local.setItem(key, wanted);
 }

@@ -26,11 +26,13 @@ import {
   type Viewport,
   type VolumeHeader,
 } from "../protocol/messages";
+import { effort_from, effort_text, full_effort, type Effort } from "../scene/effort";
 import { changed, nothing_yet, redone, rested, undone, type History, type Moved } from "../scene/history";
 import { Slices } from "../slices/model";
 import { reset_part, type Part } from "../scene/parts";
 import { StreamClient } from "../protocol/stream_client";
 import { t } from "../texts";
+import { tab } from "../storage";
 import { SizeTeller } from "./canvas_size";
 import { FramePipeline } from "./frame_pipeline";
 import { make_decoder } from "./ladder";
@@ -60,6 +62,13 @@ export interface ErrorPoint {
   readonly error: number;
 }
 
+/** What this browser keeps of what a person prefers. */
+export interface Preferences {
+  kept(key: string): string | null;
+  keep(key: string, value: string): void;
+}
+
+const effort_key = "diaphane.effort";
 /** The longest side asked for: what the protocol allows. */
 const longest_side = 4096;
 const remembered_every_ms = 250;
@@ -87,6 +96,8 @@ export class ViewerSession {
   readonly histogram = signal<Histogram | null>(null);
   /** Who is here, once it is known. */
   readonly audience = signal<Audience | null>(null);
+  /** How much work a picture is worth: this person's, whatever is looked at. */
+  readonly effort = signal<Effort>(full_effort);
   /** The slices beside the picture. */
   readonly slices = new Slices((lacking, taken) => this.client_.want_slices(lacking, taken));
   /** What the server said about the last input it refused. */
@@ -106,8 +117,9 @@ export class ViewerSession {
     private readonly painter_: Painter,
     size: Viewport,
     private abilities_: Abilities,
+    private readonly preferences_: Preferences,
   ) {
-    const before = remembered_view(sessionStorage, place_.key);
+    const before = remembered_view(tab, place_.key);
     this.session_id_ = before.session_id;
     this.viewport_ = within_bounds(size, longest_side);
     this.painter_.resize(this.viewport_);
@@ -181,6 +193,8 @@ export class ViewerSession {
     });
     this.size_teller_ = new SizeTeller(this.viewport_, (size) => this.resized(size), { now_ms, after });
     this.begun.value = before.begun;
+    const effort = effort_from(preferences_.kept(effort_key));
+    if (effort_text(effort) !== effort_text(full_effort)) this.client_.set_effort((this.effort.value = effort));
     if (before.scene) {
       this.client_.remember(before.scene, before.input_seq);
       this.scene.value = before.scene;
@@ -244,6 +258,12 @@ export class ViewerSession {
     if (visible) this.client_.wake();
   }
 
+  /** What was shown is gone: the worker sends it anew, as to who has just come. */
+  show_anew(): void {
+    this.lossless.value = null;
+    this.client_.greet_again(this.abilities_);
+  }
+
   /** Of the canvas on the page; it keeps its pixels until a size has settled. */
   resize(size: Viewport): void {
     this.size_teller_.changed(within_bounds(size, longest_side));
@@ -269,6 +289,14 @@ export class ViewerSession {
     this.client_.rest();
   }
 
+  /** No step for undoing: what is seen in the end is the same. */
+  set_effort(effort: Effort): void {
+    this.effort.value = effort;
+    this.preferences_.keep(effort_key, effort_text(effort));
+    this.client_.set_effort(effort);
+    this.remember_soon();
+  }
+
   undo(): void {
     this.go(undone);
   }
@@ -281,6 +309,7 @@ export class ViewerSession {
   reset(part: Part): void {
     const begun = this.begun.value ?? (this.active_preset() ?? this.presets.value[0])?.scene;
     if (begun) this.change(`reset ${part}`, (scene) => reset_part(scene, begun, part));
+    if (part === "lens") this.set_effort(full_effort);
     this.rest();
   }
 
@@ -334,7 +363,7 @@ export class ViewerSession {
 
   /** At once: the page may be about to go. */
   remember(): void {
-    remember_view(sessionStorage, this.place_.key, {
+    remember_view(tab, this.place_.key, {
       session_id: this.session_id_,
       scene: this.scene.value,
       begun: this.begun.value,

@@ -1,5 +1,6 @@
 import { useMemo, useState } from "preact/hooks";
 import { guest_place, new_guest, remembered_guest } from "../live/place";
+import { tab } from "../storage";
 import { t } from "../texts";
 import { AccountFrame } from "./account_frame";
 import { Field } from "./field";
@@ -10,7 +11,7 @@ import { Viewer } from "./viewer/viewer";
 /** Where a link leads: a name, if one likes, and then the picture. No account is needed. */
 export function Join({ token }: { readonly token: string }) {
   const app = useApp();
-  const [guest, set_guest] = useState(() => remembered_guest(sessionStorage, token));
+  const [guest, set_guest] = useState(() => remembered_guest(tab, token));
   const [name, set_name] = useState("");
   const place = useMemo(() => (guest ? guest_place(app.api, token, guest) : null), [app, token, guest]);
   if (place) return <Viewer place={place} title={t.live.guest_title} />;
@@ -21,7 +22,7 @@ export function Join({ token }: { readonly token: string }) {
           noValidate
           onSubmit={(event) => {
             event.preventDefault();
-            set_guest(new_guest(sessionStorage, token, name));
+            set_guest(new_guest(tab, token, name));
           }}
         >
           <Field label={t.live.name} value={name} onInput={set_name} autocomplete="nickname" hint={t.live.name_hint} most={40} />

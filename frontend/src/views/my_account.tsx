@@ -1,6 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { export_path } from "../api/client";
 import type { BrowserSession, Export, Me } from "../api/types";
+import { tab } from "../storage";
 import { t } from "../texts";
 import { looks_like_email } from "./account";
 import { Dialog } from "./dialog";
@@ -253,7 +254,7 @@ function Removal() {
     try {
       app.uploads.stop_all();
       await app.api.delete_account(password);
-      sessionStorage.clear();
+      tab.clear();
       app.me.value = null;
       navigate("/sign-up");
     } catch (thrown) {

@@ -3,6 +3,7 @@ import { ApiProblem } from "../api/client";
 import { random_key } from "../api/random_key";
 import type { DataSet } from "../api/types";
 import { visit_place } from "../live/place";
+import { tab } from "../storage";
 import { t } from "../texts";
 import { AccountFrame } from "./account_frame";
 import { date_text } from "./format";
@@ -14,10 +15,10 @@ import { Viewer } from "./viewer/viewer";
 /** The same visitor after a reload; another tab is another visit. */
 function visitor_key(where: string): string {
   const name = `diaphane.visit.${where.slice(0, 8)}`;
-  const known = sessionStorage.getItem(name);
+  const known = tab.getItem(name);
   if (known !== null && /^[0-9a-f]{64}$/.test(known)) return known;
   const key = random_key() + random_key();
-  sessionStorage.setItem(name, key);
+  tab.setItem(name, key);
   return key;
 }
 

@@ -4,6 +4,7 @@ import { useContext } from "preact/hooks";
 import { Api, ApiProblem } from "../api/client";
 import type { Me } from "../api/types";
 import { Uploads } from "../api/uploads";
+import { tab } from "../storage";
 import { t } from "../texts";
 
 const asked_again_after_ms = 2000;
@@ -38,7 +39,7 @@ export class AppState {
     try {
       await this.api.sign_out();
     } finally {
-      sessionStorage.clear();
+      tab.clear();
       this.me.value = null;
     }
   }

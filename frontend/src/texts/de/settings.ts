@@ -131,6 +131,16 @@ export const settings: Texts["settings"] = {
     environment: "Das Licht von überall ist der Hintergrund",
   },
 
+  effort: {
+    smooth: "Erste Bilder ohne Körnung",
+    stop: "Ein Bild ist fertig",
+    stops: { best: "wenn nichts mehr besser wird", error: "bei einem Fehler von", samples: "nach so vielen Stichproben" },
+    error: "Fehler, der gut genug ist",
+    samples: "Stichproben je Bildpunkt",
+    moving: "Größe in der Bewegung",
+    scale: (percent) => (percent === 100 ? "so groß es schnell geht" : `höchstens ${percent} %`),
+  },
+
   cuts: {
     box: "Kasten",
     faces: {

@@ -125,6 +125,16 @@ export const settings = {
     environment: "The light from all around is the background",
   },
 
+  effort: {
+    smooth: "First pictures without grain",
+    stop: "A picture is finished",
+    stops: { best: "when nothing more is gained", error: "at an error of", samples: "after so many samples" },
+    error: "Error that is good enough",
+    samples: "Samples of a pixel",
+    moving: "Size while it moves",
+    scale: (percent: number) => (percent === 100 ? "as large as is quick" : `${percent} % at most`),
+  },
+
   cuts: {
     box: "Box",
     faces: {

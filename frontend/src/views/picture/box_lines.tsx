@@ -1,9 +1,10 @@
+import type { Area, Point } from "../../input/flat";
 import type { Vec3 } from "../../input/vec3";
-import { corners, edges, on_screen, type Box, type Eye, type Point, type Screen } from "../../picture/project";
+import { corners, edges, on_screen, type Box, type Eye } from "../../picture/project";
 
 export interface ViewOf {
   readonly eye: Eye;
-  readonly screen: Screen;
+  readonly screen: Area;
 }
 
 /** From one place to another; nothing where either lies behind the eye. */

@@ -1,5 +1,5 @@
+import type { Point } from "../../input/flat";
 import { useLayoutEffect, useRef } from "preact/hooks";
-import type { Point } from "../../picture/project";
 
 export interface HandleButtonProps {
   readonly name: string;

@@ -1,5 +1,5 @@
+import type { Point } from "../../input/flat";
 import { computed, signal } from "@preact/signals";
-import type { Point } from "../../picture/project";
 
 /** The windows whose things can be taken hold of in the picture. */
 export type HandleSet = "cuts" | "light";

@@ -1,7 +1,8 @@
+import type { Area } from "../../input/flat";
 import { useRef, useState } from "preact/hooks";
 import { bounds_of } from "../../cut/region";
 import { cut_handles, drawn_plane, eye_of, ball_radius, handle_dragged, handle_stepped, light_handles, type Handle } from "../../picture/handles";
-import { apart, on_screen, type Box, type Screen } from "../../picture/project";
+import { apart, on_screen, type Box } from "../../picture/project";
 import type { Scene } from "../../protocol/gen/api/proto/scene_pb";
 import { box_of, planes_of } from "../../scene/cuts";
 import { seen_direction } from "../../scene/lights";
@@ -73,7 +74,7 @@ function Area({ session, picture, scene, bounds, shown }: AreaProps) {
 interface LinesProps {
   readonly scene: Scene;
   readonly bounds: Box;
-  readonly screen: Screen;
+  readonly screen: Area;
 }
 
 function CutLines({ scene, bounds, screen }: LinesProps) {
@@ -97,7 +98,7 @@ function CutLines({ scene, bounds, screen }: LinesProps) {
   );
 }
 
-function LightLines({ handles, screen }: { readonly handles: readonly Handle[]; readonly screen: Screen }) {
+function LightLines({ handles, screen }: { readonly handles: readonly Handle[]; readonly screen: Area }) {
   const x = screen.width / 2, y = screen.height / 2;
   return (
     <g>

@@ -1,5 +1,5 @@
+import type { Point } from "../../input/flat";
 import { useEffect, useRef, useState } from "preact/hooks";
-import type { Point } from "../../picture/project";
 import { clamp } from "../../scene/numbers";
 import { t } from "../../texts";
 import type { InPicture } from "./in_picture";

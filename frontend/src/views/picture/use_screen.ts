@@ -1,10 +1,10 @@
+import type { Area } from "../../input/flat";
 import type { RefObject } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import type { Screen } from "../../picture/project";
 
 /** The size of an element in CSS pixels, as it is now. */
-export function use_screen(area: RefObject<HTMLElement | null>): Screen {
-  const [screen, set_screen] = useState<Screen>({ width: 1, height: 1 });
+export function use_screen(area: RefObject<HTMLElement | null>): Area {
+  const [screen, set_screen] = useState<Area>({ width: 1, height: 1 });
   useEffect(() => {
     const element = area.current;
     if (!element) return;

@@ -1,6 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Role } from "../../live/role";
 import type { Participant } from "../../protocol/messages";
+import { tab } from "../../storage";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
@@ -73,7 +74,7 @@ const memory = (session_id: string) => `diaphane.link.${session_id}`;
 function LinkPart({ session }: { readonly session: ViewerSession }) {
   const app = useApp();
   const id = session.session_id ?? "";
-  const [path, set_path] = useState(() => sessionStorage.getItem(memory(id)));
+  const [path, set_path] = useState(() => tab.getItem(memory(id)));
   const [said, set_said] = useState("");
   const [busy, set_busy] = useState(false);
   const url = path === null ? "" : location.origin + path;
@@ -85,12 +86,12 @@ function LinkPart({ session }: { readonly session: ViewerSession }) {
   };
   const make = () => act(async () => {
     const link = await app.api.create_link(id);
-    sessionStorage.setItem(memory(id), link.path);
+    tab.setItem(memory(id), link.path);
     set_path(link.path);
   });
   const end = () => act(async () => {
     await app.api.end_links(id);
-    sessionStorage.removeItem(memory(id));
+    tab.removeItem(memory(id));
     set_path(null);
     set_said(t.live.ended);
   });

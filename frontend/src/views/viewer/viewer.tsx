@@ -5,6 +5,7 @@ import { attach_gestures } from "../../input/attach";
 import { command_of, type KeyCommand } from "../../input/keys";
 import { own_place, type Place } from "../../live/place";
 import { role_of } from "../../live/role";
+import { local } from "../../storage";
 import { t } from "../../texts";
 import { device_pixels, watch_device_pixels } from "../../video/canvas_size";
 import { chosen_codecs, probe_codecs } from "../../video/ladder";
@@ -12,7 +13,9 @@ import { Painter } from "../../video/painter";
 import { probe_stills } from "../../video/tile_pixels";
 import { ViewerSession } from "../../video/viewer_session";
 import { CutPanel } from "../cut/cut_panel";
+import { focused_of } from "../focused";
 import { Icon } from "../icons";
+import { keep, kept } from "../kept";
 import { InPicture } from "../picture/in_picture";
 import { PictureHandles } from "../picture/picture_handles";
 import { PointPicker } from "../picture/point_picker";
@@ -32,7 +35,7 @@ import { RecordedInteraction, RecordingDialog } from "./recording";
 import { SavedPresets, WantedPreset } from "./saved_presets";
 import { Settings } from "./settings/settings";
 import { ShareDialog } from "./share_dialog";
-import { SlicesButton, SlicesLine, SliceViews } from "./slices/slice_views";
+import { maximise_focused, SlicesButton, SlicesLine, SliceViews, toggle_slices } from "./slices/slice_views";
 import { StatusLine } from "./status_line";
 import { LinkedView } from "./take/linked_view";
 import { ShotLine, use_shot } from "./take/shot";
@@ -80,13 +83,13 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
     if (document.activeElement === document.body) element.focus(); // the link that led here is gone
     const leaving = new AbortController();
     let opened: ViewerSession | null = null;
-    void Promise.all([probe_codecs(chosen_codecs(localStorage)), probe_stills()]).then(([codecs, stills]) => {
+    void Promise.all([probe_codecs(chosen_codecs(local)), probe_stills()]).then(([codecs, stills]) => {
       if (leaving.signal.aborted) return;
       if (codecs.length === 0) {
         set_fault(t.viewer.no_codec);
         return;
       }
-      opened = new ViewerSession(place, new Painter(element), device_pixels(element), { codecs, stills });
+      opened = new ViewerSession(place, new Painter(element), device_pixels(element), { codecs, stills }, { kept, keep });
       connect_page(opened, element, leaving.signal);
       opened.start();
       set_session(opened);
@@ -120,6 +123,12 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
       case "help":
         set_open("help");
         break;
+      case "slices":
+        if (!onCut) toggle_slices(session.slices);
+        break;
+      case "alone":
+        maximise_focused(session.slices);
+        break;
     }
   };
   const latest = useRef(obey);
@@ -127,8 +136,8 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
 
   useEffect(() => {
     const pressed = (event: KeyboardEvent) => {
-      if (event.defaultPrevented || is_typing(event.target) || document.querySelector("dialog[open]")) return;
-      const command = command_of({ key: event.key, shift: event.shiftKey, ctrl: event.ctrlKey, alt: event.altKey, meta: event.metaKey });
+      if (event.defaultPrevented || document.querySelector("dialog[open]")) return;
+      const command = command_of({ key: event.key, shift: event.shiftKey, ctrl: event.ctrlKey, alt: event.altKey, meta: event.metaKey }, focused_of(event.target));
       if (!command) return;
       event.preventDefault();
       latest.current(command);
@@ -244,14 +253,12 @@ function connect_page(session: ViewerSession, element: HTMLCanvasElement, signal
   }, signal);
   const seen = () => session.set_visible(!document.hidden && session.slices.picture_shown.value);
   document.addEventListener("visibilitychange", seen, { signal });
+  element.addEventListener("contextrestored", () => session.show_anew(), { signal }); // a lost GPU has taken the picture along
   const forget = session.slices.picture_shown.subscribe(seen);
   signal.addEventListener("abort", forget);
   addEventListener("online", () => session.wake(), { signal });
   addEventListener("pagehide", () => session.remember(), { signal });
 }
-
-const is_typing = (target: EventTarget | null): boolean =>
-  target instanceof HTMLElement && (target.isContentEditable || ["INPUT", "TEXTAREA", "SELECT"].includes(target.tagName));
 
 async function toggle_fullscreen(element: HTMLElement): Promise<void> {
   try {

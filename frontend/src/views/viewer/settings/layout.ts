@@ -1,3 +1,5 @@
+import type { Area } from "../../../input/flat";
+
 /** The windows of settings, as plain data: which are open and where each lies. */
 export const window_names = ["look", "light", "lens", "cuts"] as const;
 export type WindowName = (typeof window_names)[number];
@@ -8,11 +10,6 @@ export type Placement = { readonly docked: true } | { readonly docked: false; re
 export interface Layout {
   readonly open: readonly WindowName[];
   readonly places: Readonly<Partial<Record<WindowName, Placement>>>;
-}
-
-export interface Screen {
-  readonly width: number;
-  readonly height: number;
 }
 
 export const closed_layout: Layout = { open: [], places: {} };
@@ -32,7 +29,7 @@ export function opened(layout: Layout, name: WindowName, narrow: boolean): Layou
 export const closed = (layout: Layout, name: WindowName): Layout => ({ ...layout, open: layout.open.filter((one) => one !== name) });
 
 /** Its corner as told, but never out of reach. */
-export function moved(layout: Layout, name: WindowName, x: number, y: number, screen: Screen): Layout {
+export function moved(layout: Layout, name: WindowName, x: number, y: number, screen: Area): Layout {
   const place: Placement = {
     docked: false,
     x: Math.round(Math.min(Math.max(x, 0), Math.max(0, screen.width - least_seen))),
@@ -50,10 +47,10 @@ export function docked(layout: Layout, name: WindowName): Layout {
 type Store = Pick<Storage, "getItem" | "setItem">;
 const key = "diaphane.windows";
 
-/** As it was in this tab; all closed where nothing is known, or nothing may be kept. */
-export function remembered_layout(store: () => Store): Layout {
+/** As it was in this tab; all closed where nothing is known, or what is known is damaged. */
+export function remembered_layout(store: Store): Layout {
   try {
-    const value = JSON.parse(store().getItem(key) ?? "null") as { open?: unknown; places?: unknown } | null;
+    const value = JSON.parse(store.getItem(key) ?? "null") as { open?: unknown; places?: unknown } | null;
     const is_name = (one: unknown): one is WindowName => (window_names as readonly unknown[]).includes(one);
     const open = Array.isArray(value?.open) ? value.open.filter(is_name) : [];
     const places: Partial<Record<WindowName, Placement>> = {};
@@ -75,10 +72,4 @@ function placement_of(value: unknown): Placement | null {
   return Number.isFinite(x) && Number.isFinite(y) ? { docked: false, x: x as number, y: y as number } : null;
 }
 
-export function remember_layout(store: () => Store, layout: Layout): void {
-  try {
-    store().setItem(key, JSON.stringify(layout));
-  } catch {
-    // Not allowed: the next page begins with all of them closed.
-  }
-}
+export const remember_layout = (store: Store, layout: Layout): void => store.setItem(key, JSON.stringify(layout));

@@ -5,6 +5,7 @@ import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon } from "../../icons";
 import type { Picking } from "../../picture/in_picture";
 import { ColourControl, NumberControl, Switch, type PictureWindowProps } from "./controls";
+import { EffortPart } from "./effort_part";
 
 const modes = [["phase", Shading_Mode.PHASE], ["surface", Shading_Mode.SURFACE], ["hybrid", Shading_Mode.HYBRID]] as const;
 
@@ -70,6 +71,7 @@ export function LensWindow({ session, picture }: PictureWindowProps) {
           <NumberControl label={text.forward} value={scene.phase?.g ?? 0} limits={lens.forward_limits} step={0.01} rest={rest} change={now("forward", lens.set_forward)} />
         )}
         <Switch label={text.environment} on={scene.display?.showEnvironment ?? false} change={once("environment", lens.show_environment)} />
+        <EffortPart session={session} />
       </details>
     </>
   );

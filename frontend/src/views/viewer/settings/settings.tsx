@@ -1,8 +1,11 @@
 import { useEffect, useRef, useState } from "preact/hooks";
+import { tab } from "../../../storage";
 import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
+import { focused_of } from "../../focused";
 import { Icon, type IconName } from "../../icons";
 import type { InPicture } from "../../picture/in_picture";
+import { use_media } from "../../use_media";
 import { CutsWindow } from "./cuts_window";
 import { closed, docked, moved, opened, remember_layout, remembered_layout, window_names, type Layout, type WindowName } from "./layout";
 import { LensWindow } from "./lens_window";
@@ -20,12 +23,10 @@ export interface SettingsProps {
 const icons: Readonly<Record<WindowName, IconName>> = { look: "palette", light: "lamp", lens: "aperture", cuts: "slice" };
 const views = { look: LookWindow, light: LightWindow, lens: LensWindow, cuts: CutsWindow } as const;
 const narrow_page = "(max-width: 700px), (max-height: 420px)";
-// Where storage is blocked, even looking at it throws: only when it is used.
-const store = () => sessionStorage;
 
 /** The menu at the left, and the windows that it opens (thesis, 4.1 and 5.3). */
 export function Settings({ session, leads, picture }: SettingsProps) {
-  const [layout, set_layout] = useState<Layout>(() => remembered_layout(store));
+  const [layout, set_layout] = useState<Layout>(() => remembered_layout(tab));
   const [fresh, set_fresh] = useState<WindowName | null>(null);
   const narrow = use_media(narrow_page);
   const menu = useRef<HTMLElement>(null);
@@ -33,7 +34,7 @@ export function Settings({ session, leads, picture }: SettingsProps) {
 
   const change = (next: Layout) => {
     set_layout(next);
-    remember_layout(store, next);
+    remember_layout(tab, next);
   };
   const show = (name: WindowName) => {
     set_fresh(name);
@@ -85,28 +86,12 @@ export function Settings({ session, leads, picture }: SettingsProps) {
   );
 }
 
-function use_media(query: string): boolean {
-  const [matches, set_matches] = useState(() => matchMedia(query).matches);
-  useEffect(() => {
-    const list = matchMedia(query);
-    const changed = () => set_matches(list.matches);
-    changed();
-    list.addEventListener("change", changed);
-    return () => list.removeEventListener("change", changed);
-  }, [query]);
-  return matches;
-}
-
-/** Text that is being typed has an undo of its own. */
-const has_own_undo = (target: EventTarget | null): boolean =>
-  target instanceof HTMLTextAreaElement || (target instanceof HTMLInputElement && !["range", "checkbox", "radio", "color", "button"].includes(target.type));
-
 function use_undo_keys(session: ViewerSession, leads: boolean): void {
   useEffect(() => {
     const pressed = (event: KeyboardEvent) => {
       const key = event.key.toLowerCase();
       if (!leads || event.defaultPrevented || !(event.ctrlKey || event.metaKey) || event.altKey || !["z", "y"].includes(key)) return;
-      if (has_own_undo(event.target) || document.querySelector("dialog[open]")) return;
+      if (focused_of(event.target) === "text" || document.querySelector("dialog[open]")) return; // text has an undo of its own
       event.preventDefault();
       if (key === "z" && !event.shiftKey) session.undo();
       else session.redo();

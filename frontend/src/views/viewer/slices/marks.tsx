@@ -1,5 +1,6 @@
+import type { Area, Point } from "../../../input/flat";
 import { is_whole, measured, type Measure } from "../../../slices/measure";
-import { point_of, type Area, type Placing, type Point } from "../../../slices/placing";
+import { point_of, type Placing } from "../../../slices/placing";
 import { spot_of, type Stack } from "../../../slices/stack";
 import type { Vec3 } from "../../../input/vec3";
 import { t } from "../../../texts";

@@ -1,8 +1,9 @@
+import type { Area, Point } from "../../../input/flat";
 import { place_of, type Stack } from "../../../slices/stack";
 import { with_last_point, with_point, without_last } from "../../../slices/measure";
 import type { Slices } from "../../../slices/model";
 import { SliceHands, Wheel, type Deed, type Touching } from "../../../slices/hands";
-import { panned, pixel_at, zoomed, type Area, type Point } from "../../../slices/placing";
+import { panned, pixel_at, zoomed } from "../../../slices/placing";
 import { dragged, type Window } from "../../../slices/window";
 import { wheel_zoom } from "../../../input/gestures";
 import type { Vec3 } from "../../../input/vec3";

@@ -1,4 +1,5 @@
-import { per_mm, point_of, type Area, type Placing } from "../../../slices/placing";
+import type { Area } from "../../../input/flat";
+import { per_mm, point_of, type Placing } from "../../../slices/placing";
 import { pixel_size, type Stack } from "../../../slices/stack";
 import { shade } from "../../../slices/window";
 
@@ -28,6 +29,11 @@ export class SliceCanvas {
     context.imageSmoothingEnabled = Math.min(size.width, size.height) * mm * ratio < 1;
     context.imageSmoothingQuality = "high";
     context.drawImage(this.pixels_, corner.x * ratio, corner.y * ratio, stack.columns * size.width * mm * ratio, stack.rows * size.height * mm * ratio);
+  }
+
+  /** The pixels are gone, with a GPU that was lost. */
+  forget(): void {
+    this.values_ = null;
   }
 
   private shade(stack: Stack, values: Int16Array, table: Uint32Array): void {

@@ -1,6 +1,6 @@
+import type { Area } from "../../../input/flat";
 import { useEffect, useLayoutEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Slices } from "../../../slices/model";
-import type { Area } from "../../../slices/placing";
 import { edges_of, is_inside, said_place, type Plane, type Stack } from "../../../slices/stack";
 import type { Vec3 } from "../../../input/vec3";
 import { Modality, type VolumeHeader } from "../../../protocol/messages";
@@ -38,11 +38,15 @@ export function SlicePane({ slices, stack, volume, alone }: SlicePaneProps) {
     deeds.listen(element, leaving.signal);
     const observer = new ResizeObserver(() => set_area({ width: element.clientWidth, height: element.clientHeight }));
     observer.observe(element);
+    element.addEventListener("contextrestored", () => {
+      drawing.forget();
+      set_area({ width: element.clientWidth, height: element.clientHeight }); // drawn again
+    }, { signal: leaving.signal });
     return () => {
       leaving.abort();
       observer.disconnect();
     };
-  }, [deeds]);
+  }, [deeds, drawing]);
 
   const index = slices.index(stack);
   const placing = slices.placing(stack);

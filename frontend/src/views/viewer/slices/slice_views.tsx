@@ -1,9 +1,10 @@
 import { useEffect } from "preact/hooks";
 import { can_inflate } from "../../../slices/coding";
-import type { Shown } from "../../../slices/model";
+import type { Shown, Slices } from "../../../slices/model";
 import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Icon } from "../../icons";
+import { use_media } from "../../use_media";
 import { SliceBar } from "./slice_bar";
 import { pane_order, SlicePane } from "./slice_pane";
 
@@ -45,51 +46,31 @@ export function SlicesLine({ session }: { readonly session: ViewerSession }) {
   );
 }
 
-/** Between the picture alone and the slices; by the key V as well, and by M one of them alone. */
-export function SlicesButton({ session }: { readonly session: ViewerSession }) {
-  const slices = session.slices;
+/** Between the picture alone and the slices; by the key V as well. */
+export function SlicesButton({ session: { slices } }: { readonly session: ViewerSession }) {
+  const narrow = use_media(narrow_page);
   useEffect(() => {
-    const list = matchMedia(narrow_page);
-    const changed = () => (slices.narrow.value = list.matches);
-    changed();
-    list.addEventListener("change", changed);
-    return () => list.removeEventListener("change", changed);
-  }, [slices]);
-  useEffect(() => {
-    const pressed = (event: KeyboardEvent) => {
-      if (event.defaultPrevented || event.ctrlKey || event.altKey || event.metaKey || is_typing(event.target) || document.querySelector("dialog[open]")) return;
-      const key = event.key.toLowerCase();
-      if (key === "v") toggle(session);
-      else if (key === "m") maximise_focused(session);
-      else return;
-      event.preventDefault();
-    };
-    addEventListener("keydown", pressed);
-    return () => removeEventListener("keydown", pressed);
-  }, [session]);
+    slices.narrow.value = narrow;
+  }, [slices, narrow]);
   const shown = slices.open.value;
   if (slices.stacks.value.size === 0) return null;
   return (
     <button type="button" class="icon-button tool-slices" aria-label={shown ? t.slices.close : t.slices.open} title={shown ? t.slices.close : t.slices.open}
-      aria-pressed={shown} onClick={() => toggle(session)}>
+      aria-pressed={shown} onClick={() => toggle_slices(slices)}>
       <Icon name="four" />
     </button>
   );
 }
 
-function toggle(session: ViewerSession): void {
-  const { open, stacks } = session.slices;
+export function toggle_slices({ open, stacks }: Slices): void {
   if (stacks.value.size > 0) open.value = !open.value;
 }
 
-function maximise_focused(session: ViewerSession): void {
-  const slices = session.slices;
+/** The view that has the focus alone, or all four again. */
+export function maximise_focused(slices: Slices): void {
   if (!slices.open.value) return;
   const plane = document.activeElement?.closest<HTMLElement>(".slice-pane")?.dataset.plane;
   const one = (plane ?? "picture") as Exclude<Shown, "four">;
   const view = slices.view.value;
   slices.maximise(view === "four" || view === one ? one : view);
 }
-
-const is_typing = (target: EventTarget | null): boolean =>
-  target instanceof HTMLElement && (target.isContentEditable || target.tagName === "SELECT" || target.tagName === "TEXTAREA" || (target instanceof HTMLInputElement && target.type === "text"));

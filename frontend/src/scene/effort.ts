@@ -1,0 +1,45 @@
+import { clamp, type Limits } from "./numbers";
+
+/** How much work the worker is to put into a picture. No part of the scene: it says nothing of what is seen in the end. */
+export interface Effort {
+  /** The first pictures of a view are smoothed, so that they have no grain. */
+  readonly smooth: boolean;
+  /** Relative error that is good enough; 0: as the worker has it. */
+  readonly stop_error: number;
+  /** Samples of a pixel that are enough; 0: as the worker has it. */
+  readonly stop_samples: number;
+  /** Of the picture's sides while it moves, at most. */
+  readonly moving_scale: number;
+}
+
+export const full_effort: Effort = { smooth: true, stop_error: 0, stop_samples: 0, moving_scale: 1 };
+
+export const stop_error_limits: Limits = { low: 0.001, high: 1 };
+export const stop_samples_limits: Limits = { low: 1, high: 1_000_000 };
+export const moving_scales = [1, 0.75, 0.5, 0.25] as const;
+
+export type Stop = "best" | "error" | "samples";
+export const stop_of = ({ stop_error, stop_samples }: Effort): Stop => (stop_error > 0 ? "error" : stop_samples > 0 ? "samples" : "best");
+
+/** What a person begins with who wants it to stop sooner: a picture that looks finished. */
+export const stopping = (effort: Effort, stop: Stop): Effort => ({ ...effort, stop_error: stop === "error" ? 0.05 : 0, stop_samples: stop === "samples" ? 256 : 0 });
+
+export const effort_text = (effort: Effort): string => JSON.stringify(effort);
+
+/** What was kept; of what is damaged, all. */
+export function effort_from(text: string | null): Effort {
+  let value: Partial<Record<keyof Effort, unknown>> | null;
+  try {
+    value = JSON.parse(text ?? "null") as typeof value;
+  } catch {
+    return full_effort;
+  }
+  if (typeof value !== "object" || value === null) return full_effort;
+  const number = (one: unknown, { low, high }: Limits, otherwise: number) => (typeof one === "number" && one > 0 ? clamp(one, low, high) : otherwise);
+  return {
+    smooth: value.smooth !== false,
+    stop_error: number(value.stop_error, stop_error_limits, 0),
+    stop_samples: Math.round(number(value.stop_samples, stop_samples_limits, 0)),
+    moving_scale: moving_scales.find((scale) => scale === value.moving_scale) ?? 1,
+  };
+}

@@ -1,0 +1,40 @@
+import { expect, it } from "vitest";
+import { keeping, type Keeping } from "./storage";
+
+const refused = (): never => {
+  throw new DOMException("The operation is insecure.", "SecurityError");
+};
+function made(): Keeping {
+  const values = new Map<string, string>();
+  return {
+    getItem: (key) => values.get(key) ?? null,
+    setItem: (key, value) => void values.set(key, value),
+    removeItem: (key) => void values.delete(key),
+    clear: () => values.clear(),
+  };
+}
+
+it("keeps for as long as the page stands where the browser blocks storage or has no room", () => {
+  for (const browsers of [refused, () => ({ ...made(), setItem: refused }), () => null as unknown as Storage]) {
+    const store = keeping(browsers);
+    expect(store.getItem("a")).toBeNull();
+    store.setItem("a", "1");
+    store.setItem("b", "2");
+    expect(store.getItem("a")).toBe("1");
+    store.removeItem("a");
+    expect([store.getItem("a"), store.getItem("b")]).toEqual([null, "2"]);
+    store.clear();
+    expect(store.getItem("b")).toBeNull();
+  }
+});
+
+it("is the browser's own where that may be used", () => {
+  const own = made();
+  const store = keeping(() => own);
+  store.setItem("a", "1");
+  expect(own.getItem("a")).toBe("1");
+  store.removeItem("a");
+  expect(own.getItem("a")).toBeNull();
+  own.setItem("b", "2");
+  expect(store.getItem("b")).toBe("2");
+});

@@ -1,0 +1,37 @@
+/** As much of the browser's storage as is used. */
+export type Keeping = Pick<Storage, "getItem" | "setItem" | "removeItem" | "clear">;
+
+/**
+ * The browser's storage where it may be used. Where it is blocked, even looking at it throws, and where it is full it takes
+ * nothing more: then what is kept lasts as long as the page stands.
+ */
+export function keeping(browsers: () => Keeping): Keeping {
+  const memory = new Map<string, string>();
+  const possibly = <Value>(deed: () => Value): { readonly value: Value } | null => {
+    try {
+      return { value: deed() };
+    } catch {
+      return null;
+    }
+  };
+  return {
+    getItem: (key) => memory.get(key) ?? possibly(() => browsers().getItem(key))?.value ?? null,
+    setItem: (key, value) => {
+      if (possibly(() => browsers().setItem(key, value))) memory.delete(key);
+      else memory.set(key, value);
+    },
+    removeItem: (key) => {
+      memory.delete(key);
+      possibly(() => browsers().removeItem(key));
+    },
+    clear: () => {
+      memory.clear();
+      possibly(() => browsers().clear());
+    },
+  };
+}
+
+/** For this browser, over all its tabs. */
+export const local = keeping(() => localStorage);
+/** For this tab, over a reload. */
+export const tab = keeping(() => sessionStorage);
