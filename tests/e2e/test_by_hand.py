@@ -1,4 +1,4 @@
-"""Looking around by mouse, by keys and by touch, on the pictures that come back."""
+"""Every control of the picture by mouse, by keys and by touch, on the pictures that come back."""
 
 from __future__ import annotations
 
@@ -7,13 +7,20 @@ import math
 from pathlib import Path
 from typing import Callable
 
-from playwright.sync_api import expect
+import pytest
+from playwright.sync_api import Locator, Page, expect
 
 from fingers import Fingers
 from harness import TestStack
-from picture import SIDE, difference
+from picture import SIDE, difference, facts, wait_for_samples
 from test_in_picture import middle, open_viewer
 from test_settings import Hands
+from ways import WAYS, Mouse
+
+#: Mean difference of a channel, of 255, between two renderings of one view with few samples (as in test_take_away.py), doubled.
+ALIKE = 4.0
+WINDOWS = {"look": "Materials", "light": "Light", "lens": "Lens and quality", "cuts": "Cuts and slices"}
+RESETS = {"look": "Reset the materials", "light": "Reset the light", "lens": "Reset lens and quality", "cuts": "Remove all cuts and slices"}
 
 
 def seen(picture: bytes) -> tuple[float, float, float]:
@@ -169,3 +176,193 @@ def test_one_looks_around_by_mouse_by_keys_and_by_touch(stack: TestStack, visit,
     page.wait_for_function("document.fullscreenElement !== null")
     page.keyboard.press("f")
     page.wait_for_function("document.fullscreenElement === null")
+
+
+def epoch_of(page: Page) -> tuple[int, int]:
+    now = facts(page)
+    return now.epoch, now.input_seq
+
+
+def answered(hands: Hands, what: str, deed: Callable[[], None]) -> None:
+    """A picture of another scene comes back: the renderer has taken it."""
+    epoch, seq = epoch_of(hands.page)
+    deed()
+
+    def came() -> bool:
+        hands.page.wait_for_timeout(20)
+        now = facts(hands.page)
+        return now.epoch > epoch and now.input_seq > seq
+
+    hands.stack.wait_until(came, timeout=120, what=f"the picture after {what}")
+
+
+#: No part of the scene: what stays in the picture, how the histogram is drawn, how large a moving picture is.
+NO_PICTURE = {"Handles stay when this window is closed", "Heights of the histogram", "Size while it moves"}
+
+
+def work_all(hands: Hands, way: Mouse, frame: Locator) -> list[str]:
+    """Each slider, switch, choice and colour of a window; what was worked."""
+    worked: list[str] = []
+    while frame.locator("details:not([open]) > summary").count():
+        way.press(frame.locator("details:not([open]) > summary").first)
+    for label in frame.get_by_role("slider").evaluate_all("(all) => all.map((e) => e.getAttribute('aria-label'))"):
+        slider = frame.get_by_role("slider", name=label, exact=True)
+        if slider.count() == 1:
+            before = slider.get_attribute("aria-valuetext")
+            answered(hands, label, lambda: way.slide(slider))
+            assert slider.get_attribute("aria-valuetext") != before, label
+            worked.append(label)
+    for label in frame.locator("input[type=color]").evaluate_all("(all) => all.map((e) => e.labels[0].textContent)"):
+        colour = frame.get_by_label(label, exact=True)
+        answered(hands, label, lambda: colour.fill("#3aa06c"))  # it is chosen in the system's own window
+        worked.append(label)
+    for label in frame.locator("select.choice").evaluate_all("(all) => all.map((e) => e.labels[0].querySelector('.control-name').textContent)"):
+        choice = frame.locator("label.control", has=frame.get_by_text(label, exact=True)).locator("select")
+        if label in NO_PICTURE or choice.count() != 1:
+            continue
+        others = [one for one in choice.locator("option").evaluate_all("(options) => options.map((o) => o.value)") if one != choice.input_value()]
+        answered(hands, label, lambda: way.choose(choice, others[0]))
+        worked.append(label)
+    for label in frame.get_by_role("checkbox").evaluate_all("(all) => all.map((e) => e.getAttribute('aria-label') ?? e.labels[0].textContent)"):
+        box = frame.get_by_role("checkbox", name=label, exact=True)
+        if label in NO_PICTURE or box.count() != 1:
+            continue
+        answered(hands, label, lambda: way.switch(box))
+        answered(hands, f"{label}, back", lambda: way.switch(box))
+        worked.append(label)
+    return worked
+
+
+def press_all(hands: Hands, way: Mouse, frame: Locator, names: list[str]) -> None:
+    for name in names:
+        answered(hands, name, lambda: way.press(frame.get_by_role("button", name=name, exact=True).first))
+
+
+def work_graph(hands: Hands, way: Mouse, frame: Locator) -> None:
+    graph = frame.get_by_role("application")
+    graph.scroll_into_view_if_needed()
+    if way.name == "keys":
+        graph.focus()
+        for key in ("Insert", "ArrowRight", "Shift+ArrowDown", "Delete"):
+            answered(hands, f"{key} in the graph", lambda: hands.page.keyboard.press(key))
+        return
+    points = int(graph.get_attribute("data-points"))
+    chosen = graph.locator(".graph-point").nth(points // 2)
+    answered(hands, "a point dragged", lambda: way.drag(middle(chosen.bounding_box()), 6, 14))
+    box = graph.bounding_box()
+    x, y = box["x"] + 0.04 * box["width"], box["y"] + 0.3 * box["height"]
+    double = hands.page.mouse.dblclick if way.name == "mouse" else lambda x, y: [hands.page.touchscreen.tap(x, y) for _ in range(2)]
+    answered(hands, "a point added", lambda: double(x, y))
+    expect(graph).to_have_attribute("data-points", str(points + 1))
+    press_all(hands, way, frame, ["Remove this point"])
+
+
+def work_ball(hands: Hands, way: Mouse, frame: Locator) -> None:
+    ball = frame.locator(".ball")
+    ball.scroll_into_view_if_needed()
+    if way.name == "keys":
+        ball.focus()
+        answered(hands, "the ball", lambda: hands.page.keyboard.press("Shift+ArrowLeft"))
+        return
+    answered(hands, "the ball", lambda: way.drag(middle(ball.locator(".ball-dot").bounding_box()), -12, 8))
+
+
+def work_place(hands: Hands, way: Mouse, frame: Locator) -> None:
+    """The window itself: moved, and put back to the side."""
+    head, before = frame.locator("h2"), frame.bounding_box()
+    if way.name == "keys":
+        frame.locator(".window-grip").focus()
+        for _ in range(4):
+            hands.page.keyboard.press("ArrowRight")
+    else:
+        way.drag(middle(head.bounding_box()), 120, 30)
+    moved = frame.bounding_box()
+    assert moved["x"] - before["x"] > 60, (before, moved)
+    way.press(frame.get_by_role("button", name="at the side"))
+    expect(frame.get_by_role("button", name="at the side")).to_have_count(0)
+    assert abs(frame.bounding_box()["x"] - before["x"]) < 1
+
+
+def type_nonsense(hands: Hands, frame: Locator) -> None:
+    """Out of range, no number, a page of junk pasted: said in words, and nothing is changed."""
+    scene = hands.kept()[0]
+    for field in frame.locator(".typed input").all():
+        shown = field.input_value()
+        for junk in ("1e99", "-1e99", "NaN", "12px", "<script>" * 500):
+            field.fill("")
+            field.focus()
+            hands.page.keyboard.insert_text(junk)
+            field.press("Enter")
+            expect(frame.get_by_role("alert")).to_contain_text("A number from")
+        field.press("Escape")
+        expect(frame.get_by_role("alert")).to_have_count(0)
+        assert field.input_value() == shown
+    hands.page.wait_for_timeout(300)
+    assert hands.kept()[0] == scene
+
+
+def close(way: Mouse, frame: Locator, name: str) -> None:
+    if way.name == "keys":
+        frame.focus()
+        frame.page.keyboard.press("Escape")
+    else:
+        way.press(frame.get_by_role("button", name=f"Close {name}"))
+    expect(frame).to_have_count(0)
+
+
+@pytest.mark.parametrize("name", list(WAYS))
+def test_every_control_changes_the_picture_and_all_is_undone(stack: TestStack, visit, cranium: Path, pictures: Path, name: str):
+    page = visit(small=True, touch=name == "touch")
+    hands = open_viewer(stack, page, cranium, name, 720, 440)
+    way = WAYS[name](page)
+    way.press(page.get_by_role("button", name="Hide the hints"))
+    begun, first = hands.kept()[0], hands.picture()
+    worked: dict[str, list[str]] = {}
+    for which, title in WINDOWS.items():
+        way.press(page.get_by_role("button", name=title, exact=True))
+        frame = page.get_by_role("dialog", name=title, exact=True)
+        expect(frame).to_be_focused()
+        if which == "look":
+            work_graph(hands, way, frame)
+            press_all(hands, way, frame, ["Add a point", "Remove this point", "Add a material"])
+        elif which == "light":
+            work_ball(hands, way, frame)
+        elif which == "cuts":
+            way.press(frame.get_by_text("Planes", exact=True))
+            press_all(hands, way, frame, ["Add a plane"])
+            for plane in ("axial", "coronal", "sagittal"):
+                answered(hands, plane, lambda: way.switch(frame.get_by_label(f"Show the {plane} slice")))
+        elif which == "lens":
+            answered(hands, "the focus", lambda: way.switch(frame.get_by_label("Sharp at the middle")))
+        worked[which] = work_all(hands, way, frame)
+        if which == "look":
+            press_all(hands, way, frame, ["Remove Material 2" if frame.get_by_role("button", name="Remove Material 2").count() else
+                                          frame.get_by_role("button", name="Remove ").last.text_content()])
+        elif which == "light":
+            press_all(hands, way, frame, ["Ring", "Nothing"])
+            answered(hands, "a light removed", lambda: way.press(frame.get_by_role("button", name="Remove ").last))
+        elif which == "cuts":
+            press_all(hands, way, frame, ["Remove plane 1"])
+        if name == "keys":
+            type_nonsense(hands, frame)
+        work_place(hands, way, frame)
+        page.screenshot(path=pictures / f"by-{name}-{which}.png")
+        press_all(hands, way, frame, [RESETS[which]])
+        close(way, frame, title)
+    assert {which: len(labels) for which, labels in worked.items()} == {"look": 1, "light": 1, "lens": 1, "cuts": 1}, worked
+    undo = page.get_by_role("button", name="Undo", exact=True)
+    redo = page.get_by_role("button", name="Redo", exact=True)
+    settled(hands)
+    last = hands.kept()[0]
+    step = (lambda: page.keyboard.press("Control+z")) if name == "keys" else lambda: way.press(undo)
+    steps = 0
+    while undo.get_attribute("aria-disabled") == "false":
+        step()
+        steps += 1
+    settled(hands)
+    assert hands.kept()[0] == begun
+    assert difference(first, hands.picture()) < ALIKE
+    for _ in range(steps):
+        page.keyboard.press("Control+Shift+z") if name == "keys" else way.press(redo)
+    settled(hands)
+    assert hands.kept()[0] == last

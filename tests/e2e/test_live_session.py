@@ -29,6 +29,42 @@ def settled(stack: TestStack, page: Page) -> Facts:
     return wait_for_samples(stack, page, 16)
 
 
+def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Page, pictures: Path) -> None:
+    """A follower's windows say whose the picture is and change nothing; the slices are for everybody to go through."""
+    seen = facts(owner).epoch
+    for title in ("Materials", "Light", "Lens and quality", "Cuts and slices"):
+        follower.get_by_role("button", name=title, exact=True).click()
+        window = follower.get_by_role("dialog", name=title, exact=True)
+        expect(window.get_by_text("Somebody else shows this picture.")).to_be_visible()
+        assert window.locator("fieldset.window-controls").evaluate("(set) => set.matches(':disabled') && set.querySelectorAll(':enabled:is(input, select, button)').length === 0")
+    last = follower.get_by_role("dialog").last
+    follower.screenshot(path=pictures / "live-follower-windows.png")
+    last.get_by_role("button", name="Close Cuts and slices").click()
+    follower.keyboard.press("Control+z")
+    assert follower.get_by_role("button", name="Undo", exact=True).get_attribute("aria-disabled") == "true"
+
+    follower.get_by_role("button", name="Show the slices (V)").click()
+    axial = follower.locator(".slice-pane[data-plane=axial] canvas")
+    expect(axial).to_have_attribute("data-came", "true")
+    begun = int(axial.get_attribute("data-index"))
+    axial.focus()
+    follower.keyboard.press("ArrowDown")
+    expect(axial).to_have_attribute("data-index", str(begun + 1))
+    expect(axial).to_have_attribute("data-came", "true")
+    value = follower.locator(".slice-pane[data-plane=axial] .slice-value")
+    expect(value).to_contain_text("HU")
+    follower.screenshot(path=pictures / "live-follower-slices.png")
+    # The presenter's own are where they were, and the picture is the same.
+    owner.keyboard.press("v")
+    expect(owner.locator(".slice-pane[data-plane=axial] canvas")).to_have_attribute("data-index", str(begun))
+    expect(owner.locator(".slice-pane[data-plane=axial] canvas")).to_have_attribute("data-came", "true")
+    owner.keyboard.press("v")
+    follower.keyboard.press("v")
+    expect(follower.locator(".slice-pane")).to_have_count(0)
+    same_picture(stack, owner, follower)
+    assert facts(owner).epoch >= seen
+
+
 def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, visit, cranium: Path, pictures: Path):
     anna = Person.arrives(stack, visit(), "anna")
     anna.has_scan(cranium, "Head")
@@ -74,6 +110,7 @@ def test_a_follower_sees_the_presenter_turn_and_then_presents(stack: TestStack, 
     assert wait_for_samples(stack, owner, before.samples + 8).epoch == before.epoch
     follower.screenshot(path=pictures / "live-follower.png")
     check_page(follower)
+    follows_with_windows_and_slices(stack, owner, follower, pictures)
 
     # A phone has another shape: it shows all that the presenter sees.
     phone = visit(phone=True)

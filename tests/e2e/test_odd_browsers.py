@@ -1,0 +1,145 @@
+"""Browsers that lack something, files that are none, windows of no size: each has a second way, or is told in words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from harness import StackHouse, TestStack
+from house import chromium, plan
+from person import PATIENCE_MS, Person
+from picture import difference, drag, facts, pixels, spread, wait_for_samples
+
+ALIKE = 4.0  # as in test_by_hand.py
+
+#: As a browser is where storage is blocked: even looking at it throws.
+NO_STORAGE = """for (const name of ["localStorage", "sessionStorage"])
+    Object.defineProperty(window, name, { get() { throw new DOMException("The operation is insecure.", "SecurityError"); } });"""
+NO_CODECS = "for (const name of ['VideoDecoder', 'VideoFrame', 'EncodedVideoChunk', 'ImageDecoder']) delete window[name];"
+
+
+@pytest.fixture(scope="module")
+def owner(stack: TestStack, browser: Browser, cranium: Path):
+    """A scan, and the cookies of the person whose it is."""
+    context = browser.new_context()
+    context.set_default_timeout(PATIENCE_MS)
+    person = Person.arrives(stack, context.new_page(), "otto")
+    scan = person.has_scan(cranium, "Head")
+    yield scan, context.cookies()
+    context.close()
+
+
+def opened(visit, stack: TestStack, owner, script: str = "") -> Page:
+    scan, cookies = owner
+    page = visit(small=True)
+    page.context.add_cookies(cookies)
+    if script:
+        page.add_init_script(script)
+    page.goto(f"{stack.url}/view/{scan}")
+    wait_for_samples(stack, page, 2)
+    return page
+
+
+def turns(stack: TestStack, page: Page) -> None:
+    before, picture = facts(page), pixels(page)
+    drag(page, 120, 0)
+    wait_for_samples(stack, page, 4, input_seq=before.input_seq + 1)
+    assert difference(picture, pixels(page)) > 2
+
+
+def test_a_browser_that_blocks_storage_shows_and_changes_the_picture(stack: TestStack, visit, owner):
+    page = opened(visit, stack, owner, NO_STORAGE)
+    turns(stack, page)
+    # What would be kept is kept while the page stands: colours, the language, windows, what is preferred.
+    page.get_by_role("button", name="Lens and quality", exact=True).click()
+    lens = page.get_by_role("dialog", name="Lens and quality", exact=True)
+    lens.get_by_text("More", exact=True).click()
+    lens.get_by_label("First pictures without grain").uncheck()
+    expect(lens.get_by_label("First pictures without grain")).not_to_be_checked()
+    lens.get_by_role("button", name="Close Lens and quality").click()
+    page.get_by_role("link", name="My scans").click()
+    expect(page.get_by_role("heading", name="My scans")).to_be_visible()
+    page.get_by_label("Language").select_option("de")
+    expect(page.get_by_role("heading", name="Meine Aufnahmen")).to_be_visible()
+
+
+def test_without_webcodecs_the_picture_comes_another_way(stack: TestStack, visit, owner):
+    page = opened(visit, stack, owner, NO_CODECS)
+    assert page.evaluate("typeof VideoDecoder") == "undefined"
+    turns(stack, page)
+    assert spread(pixels(page)) > 5
+
+
+def test_where_the_page_is_not_secure_all_of_it_works(stack_house: StackHouse, browser: Browser, cranium: Path, monkeypatch):
+    """By http under a name, as in a hospital's own network: no WebCodecs, no SubtleCrypto, no clipboard there."""
+    monkeypatch.setattr(plan.Settings, "host", property(lambda _: "clinic.test"))
+    stack = stack_house.open(extra_env={"DIAPHANE_MAX_ERROR": "0.3"})
+    way = f"--host-resolver-rules=MAP clinic.test:80 127.0.0.1:{stack.ports['edge']}"
+    near = browser.browser_type.launch(executable_path=chromium.path(), args=[*chromium.ARGS, way])
+    page = near.new_context(viewport={"width": 320, "height": 240}).new_page()
+    page.set_default_timeout(PATIENCE_MS)
+    assert stack.url == "http://clinic.test"
+    person = Person.arrives(stack, page, "klinik")
+    assert page.evaluate("[isSecureContext, typeof VideoDecoder, typeof crypto.subtle]") == [False, "undefined", "undefined"]
+    scan = person.has_scan(cranium, "Head")
+    page.goto(f"{stack.url}/view/{scan}")
+    wait_for_samples(stack, page, 1)
+    before = facts(page)
+    page.locator("canvas").focus()
+    page.keyboard.press("ArrowRight")
+    wait_for_samples(stack, page, 4, input_seq=before.input_seq + 1)
+    # The lossless end needs hashes: they are computed in software.
+    expect(page.locator("canvas[data-lossless]")).to_be_visible()
+    near.close()
+    stack_house.shut(stack)
+
+
+def test_a_lost_gpu_and_a_window_of_no_size_leave_the_same_picture(stack: TestStack, visit, owner):
+    page = opened(visit, stack, owner)
+    wait_for_samples(stack, page, 8)
+    whole = pixels(page)
+
+    # As after the GPU's process ended: the canvas is black, and the browser says that it can be drawn on again.
+    page.locator("canvas").evaluate("""(canvas) => {
+        canvas.getContext("2d").fillRect(0, 0, canvas.width, canvas.height);
+        canvas.dispatchEvent(new Event("contextlost"));
+        canvas.dispatchEvent(new Event("contextrestored"));
+    }""")
+
+    def there() -> bool:
+        page.wait_for_timeout(100)
+        return difference(whole, pixels(page)) < ALIKE
+
+    stack.wait_until(there, timeout=120, what="the picture after the loss")
+    expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")
+
+    hide = page.add_style_tag(content=".stage { display: none !important; }")
+    page.wait_for_timeout(300)
+    assert page.evaluate("document.querySelector('canvas').clientWidth") == 0
+    hide.evaluate("(style) => style.remove()")
+    stack.wait_until(there, timeout=120, what="the picture after a window of no size")
+    page.set_viewport_size({"width": 1, "height": 1})
+    page.wait_for_timeout(300)
+    page.set_viewport_size({"width": 480, "height": 320})
+    stack.wait_until(there, timeout=120, what="the picture after a window of a pixel")
+    turns(stack, page)
+
+
+def test_a_file_that_is_no_preset_is_refused_in_words(stack: TestStack, visit, owner):
+    page = opened(visit, stack, owner)
+    scene = page.evaluate("Object.entries(sessionStorage).find(([k]) => k.startsWith('diaphane.view.'))?.[1]")
+    page.get_by_role("button", name="Saved presets").click()
+    dialog = page.get_by_role("dialog")
+    bomb = b'<!DOCTYPE p [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;">]><preset xmlns="urn:diaphane:preset" version="1" name="&b;"/>'
+    for name, body in (("a.xml", b""), ("b.xml", b"\xff\xd8\xff\xe0" + bytes(range(256))), ("c.xml", b"<html><body>Hello</body></html>"), ("d.xml", bomb),
+                       ("e.xml", b'<preset xmlns="urn:diaphane:preset" version="1" name="x"><camera eye="far"/></preset>')):
+        dialog.get_by_label("Open a preset file").set_input_files({"name": name, "mimeType": "application/xml", "buffer": body})
+        expect(dialog.get_by_role("alert")).to_be_visible()
+        assert len(dialog.get_by_role("alert").inner_text()) > 10
+        page.wait_for_timeout(200)
+    dialog.get_by_label("Open a preset file").set_input_files({"name": "f.xml", "mimeType": "application/xml", "buffer": b" " * 300_000})
+    expect(dialog.get_by_text("This file is too large to be a preset.")).to_be_visible()
+    expect(dialog.get_by_text("No presets yet")).to_be_visible()
+    assert page.evaluate("Object.entries(sessionStorage).find(([k]) => k.startsWith('diaphane.view.'))?.[1]") == scene

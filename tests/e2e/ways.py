@@ -1,0 +1,86 @@
+"""The ways in which a person works a control: a mouse, keys, a finger. Each does the same deeds."""
+
+from __future__ import annotations
+
+from playwright.sync_api import Locator, Page
+
+from fingers import Fingers
+
+SLIDER_STEPS = 1000
+
+
+class Mouse:
+    name = "mouse"
+
+    def __init__(self, page: Page):
+        self.page = page
+
+    def press(self, button: Locator) -> None:
+        button.click()
+
+    def switch(self, box: Locator) -> None:
+        box.click()
+
+    def slide(self, slider: Locator) -> None:
+        """To where the slider is not: a third or two of its way."""
+        slider.scroll_into_view_if_needed()
+        slider.click(position=beside(slider))
+
+    def choose(self, choice: Locator, value: str) -> None:
+        choice.select_option(value)  # its list is the system's, which a headless browser does not show
+
+    def drag(self, begin: tuple[float, float], right: float, down: float) -> None:
+        x, y = begin
+        self.page.mouse.move(x, y)
+        self.page.mouse.down()
+        self.page.mouse.move(x + right, y + down, steps=6)
+        self.page.mouse.up()
+
+
+class Finger(Mouse):
+    name = "touch"
+
+    def press(self, button: Locator) -> None:
+        button.tap()
+
+    switch = press
+
+    def slide(self, slider: Locator) -> None:
+        slider.scroll_into_view_if_needed()
+        slider.tap(position=beside(slider))
+
+    def drag(self, begin: tuple[float, float], right: float, down: float) -> None:
+        x, y = begin
+        Fingers(self.page).drag([(begin, (x + right, y + down))])
+
+
+class Keys(Mouse):
+    name = "keys"
+
+    def press(self, button: Locator) -> None:
+        button.focus()
+        self.page.keyboard.press("Enter")
+
+    def switch(self, box: Locator) -> None:
+        box.focus()
+        self.page.keyboard.press("Space")
+
+    def slide(self, slider: Locator) -> None:
+        slider.focus()
+        self.page.keyboard.press("PageDown" if slider.evaluate("(e) => e.valueAsNumber") > SLIDER_STEPS / 2 else "PageUp")
+
+    def choose(self, choice: Locator, value: str) -> None:
+        places = choice.locator("option").evaluate_all("(options) => options.map((o) => o.value)")
+        now = places.index(choice.input_value())
+        choice.focus()
+        for _ in range(abs(places.index(value) - now)):
+            self.page.keyboard.press("ArrowDown" if places.index(value) > now else "ArrowUp")
+
+
+def beside(slider: Locator) -> dict[str, float]:
+    box = slider.bounding_box()
+    part = 0.3 if slider.evaluate("(e) => e.valueAsNumber") > SLIDER_STEPS / 2 else 0.7
+    return {"x": part * box["width"], "y": box["height"] / 2}
+
+
+WAYS = {way.name: way for way in (Mouse, Keys, Finger)}
