@@ -1,0 +1,78 @@
+"""How soon the page answers a hand on its controls, whatever the server does: while it renders, and while it stands still."""
+
+from __future__ import annotations
+
+import os
+import signal
+import tempfile
+from pathlib import Path
+
+from .. import chromium
+from ..bench import Result, percentile, result
+from ..bench_client import Person, cranium
+from ..bench_stack import running
+
+ABOUT = "milliseconds from an input on a control until the page shows its new value, with the renderer at work and stopped (16 ms at most)"
+PAGE = True
+
+MOST_MS = 16.0
+WINDOWS = ("Materials", "Light", "Lens and quality", "Cuts and slices")
+#: Each slider of the open window moved, and moved again: from the event until its own value is another in the page. The next
+#: comes a picture of the screen later, so that none waits for the one before.
+MOVES = """async (rounds) => {
+    const next = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+    const times = [];
+    for (let round = 0; round < rounds; round++)
+        for (const slider of document.querySelectorAll(".window input[type=range]")) {
+            const before = slider.getAttribute("aria-valuetext");
+            const answer = new Promise((resolve) => {
+                const seen = new MutationObserver(() => { seen.disconnect(); resolve(performance.now()); });
+                seen.observe(slider, { attributes: true, attributeFilter: ["aria-valuetext"] });
+                setTimeout(() => { seen.disconnect(); resolve(null); }, 1000);
+            });
+            slider.valueAsNumber = slider.valueAsNumber > 500 ? 300 + round : 700 - round;
+            const begun = performance.now();
+            slider.dispatchEvent(new Event("input", { bubbles: true }));
+            const shown = await answer;
+            if (shown !== null) times.push(shown - begun);
+            else if (slider.getAttribute("aria-valuetext") === before) times.push(1000);
+            await next();
+        }
+    return times;
+}"""
+
+
+def measure(quick: bool) -> list[Result]:
+    from playwright.sync_api import sync_playwright
+
+    rounds = 3 if quick else 10
+    times: dict[str, list[float]] = {"rendering": [], "stopped": []}
+    with running() as stack, tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        person = Person(stack)
+        data_set = person.upload(cranium(stack, Path(folder)))
+        person.wait_ready(data_set)
+        browser = playwright.chromium.launch(executable_path=chromium.path(), args=chromium.ARGS)
+        context = browser.new_context(viewport={"width": 960, "height": 640})
+        url = stack.settings.url
+        context.add_cookies([{"name": c.name, "value": c.value, "url": url} for c in person.http.cookies.jar])
+        for state in times:
+            for window in WINDOWS:
+                page = context.new_page()
+                page.goto(f"{url}/view/{data_set}")
+                page.wait_for_selector("canvas[data-samples]", timeout=120_000)
+                page.get_by_role("button", name=window, exact=True).click()
+                while page.locator(".window details:not([open]) > summary").count():
+                    page.locator(".window details:not([open]) > summary").first.click()
+                renderer = stack.pids["renderd"]
+                if state == "stopped":
+                    os.kill(renderer, signal.SIGSTOP)
+                try:
+                    page.evaluate(MOVES, 1)
+                    times[state] += page.evaluate(MOVES, rounds)
+                finally:
+                    os.kill(renderer, signal.SIGCONT)
+                page.close()
+        browser.close()
+    return [one for state, found in times.items() for one in (
+        result(f"a slider, the renderer {state}", found, "ms", at_most=MOST_MS),
+        result(f"of those the slowest twentieth, the renderer {state}", [percentile(found, 95)], "ms", at_most=MOST_MS))]
