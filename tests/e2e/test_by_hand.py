@@ -349,7 +349,8 @@ def test_every_control_changes_the_picture_and_all_is_undone(stack: TestStack, v
         page.screenshot(path=pictures / f"by-{name}-{which}.png")
         press_all(hands, way, frame, [RESETS[which]])
         close(way, frame, title)
-    assert {which: len(labels) for which, labels in worked.items()} == {"look": 1, "light": 1, "lens": 1, "cuts": 1}, worked
+    for which, least in {"look": 11, "light": 10, "lens": 8, "cuts": 19}.items():
+        assert len(worked[which]) >= least, worked[which]
     undo = page.get_by_role("button", name="Undo", exact=True)
     redo = page.get_by_role("button", name="Redo", exact=True)
     settled(hands)

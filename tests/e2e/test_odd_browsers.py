@@ -115,10 +115,11 @@ def test_a_lost_gpu_and_a_window_of_no_size_leave_the_same_picture(stack: TestSt
     stack.wait_until(there, timeout=120, what="the picture after the loss")
     expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")
 
-    hide = page.add_style_tag(content=".stage { display: none !important; }")
+    stage = page.locator(".stage")
+    stage.evaluate("(stage) => void (stage.style.display = 'none')")
     page.wait_for_timeout(300)
     assert page.evaluate("document.querySelector('canvas').clientWidth") == 0
-    hide.evaluate("(style) => style.remove()")
+    stage.evaluate("(stage) => void (stage.style.display = '')")
     stack.wait_until(there, timeout=120, what="the picture after a window of no size")
     page.set_viewport_size({"width": 1, "height": 1})
     page.wait_for_timeout(300)

@@ -237,6 +237,7 @@ def read_by_fingers(reader: Reader) -> None:
     expect(reader.canvas("sagittal")).to_have_attribute("data-index", str(before + 5))  # 12 pixels each
     reader.shows_what_the_formula_says("sagittal", spots_of(plane, 6))
 
+    reader.set_window(30, 120)  # in which the voxels there are of many greys
     # Both 50 px to the right: so is what they lie on. Then twice as far apart, about a voxel that stays where it is.
     fingers.drag([((x - 20, y), (x + 30, y)), ((x + 20, y), (x + 70, y))])
     fingers.drag([((x + 30, y), (x + 10, y)), ((x + 70, y), (x + 90, y))])
