@@ -117,18 +117,26 @@ tolerations: {{ toJson . }}
 {{- end }}
 {{- end -}}
 
-{{/* Spread over nodes, and over zones where there are any: a list of the root and the component. */}}
+{{/* Spread over nodes, and over zones where there are any: a list of the root and the component. Zones by anti-affinity: a second spread constraint
+     would make the scheduler pass over the first on nodes that have no zone. */}}
 {{- define "diaphane.spread" -}}
 {{- $on := . -}}
 topologySpreadConstraints:
-  {{- range list "kubernetes.io/hostname" "topology.kubernetes.io/zone" }}
   - maxSkew: 1
-    topologyKey: {{ . }}
+    topologyKey: kubernetes.io/hostname
     whenUnsatisfiable: ScheduleAnyway
     labelSelector:
       matchLabels:
         {{- include "diaphane.selector" $on | nindent 8 }}
-  {{- end }}
+affinity:
+  podAntiAffinity:
+    preferredDuringSchedulingIgnoredDuringExecution:
+      - weight: 100
+        podAffinityTerm:
+          topologyKey: topology.kubernetes.io/zone
+          labelSelector:
+            matchLabels:
+              {{- include "diaphane.selector" $on | nindent 14 }}
 {{- end -}}
 
 {{/* Of the admin port: alive says nothing of what it depends on. */}}
