@@ -60,10 +60,10 @@ def test_a_picture_is_rendered_to_be_saved_while_the_live_one_goes_on(stack: Tes
 
     # What cannot be is said, and nothing is begun.
     dialog.get_by_label("Size").select_option("other")
-    dialog.get_by_label("Width").fill("7680")
+    dialog.get_by_label("Width").fill("16385")
     dialog.get_by_label("Height").fill("4320")
     dialog.get_by_role("button", name="Save the picture").click()
-    expect(dialog.get_by_role("alert")).to_have_text("A picture has 16 to 4,096 pixels a side. Please type whole numbers.")
+    expect(dialog.get_by_role("alert")).to_have_text("A picture has 16 to 16,384 pixels a side. Please type whole numbers.")
 
     # Of the shape of the screen, in another size.
     dialog.get_by_label("Width").fill("360")

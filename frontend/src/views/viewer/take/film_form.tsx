@@ -30,6 +30,11 @@ export function FilmForm({ session, kind, busy, onTake }: FilmFormProps) {
   const [fault, set_fault] = useState("");
   const count = typed_seconds(seconds);
   const sized = (name: keyof typeof film_sides) => film_size(session.viewport, film_sides[name]);
+  /** What was wrong is being mended. */
+  const answered = <T,>(set: (value: T) => void) => (value: T) => {
+    set_fault("");
+    set(value);
+  };
   const submit = async () => {
     set_fault("");
     const scene = session.scene.value;
@@ -50,9 +55,9 @@ export function FilmForm({ session, kind, busy, onTake }: FilmFormProps) {
       void submit();
     }}>
       <p class="muted">{kind === "tour" ? text.tour_lead : text.turntable_lead}</p>
-      {kind === "tour" && session.data_set_id !== null ? <ViewList data_set_id={session.data_set_id} views={views} onViews={set_views} onFault={set_fault} /> : null}
+      {kind === "tour" && session.data_set_id !== null ? <ViewList data_set_id={session.data_set_id} views={views} onViews={answered(set_views)} onFault={set_fault} /> : null}
       <div class="take-sides">
-        <Field label={text.seconds} value={seconds} onInput={set_seconds} digits most={3} />
+        <Field label={text.seconds} value={seconds} onInput={answered(set_seconds)} digits most={3} />
         <Choice label={text.rate} value={rate} options={film_rates.map((n) => [String(n), String(n)])} onChoose={set_rate} />
       </div>
       <Choice label={text.size} value={size} options={(["small", "medium", "large"] as const).map((name) => [name, text.film_sizes[name](sized(name).width, sized(name).height)])}
