@@ -1,71 +1,25 @@
-import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
+import { create } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
-import {
-  ClientMessageSchema,
-  ConfigSchema,
-  Film_Path,
-  FilePartSchema,
-  FileProgressSchema,
-  ProblemSchema,
-  ServerMessageSchema,
-  type ClientMessage,
-  type ServerMessage,
-} from "../protocol/gen/api/proto/stream_pb";
+import { Film_Path, FilePartSchema, FileProgressSchema, ProblemSchema } from "../protocol/gen/api/proto/stream_pb";
 import type { FileOrder } from "../protocol/file_messages";
-import type { Door, SocketEvents } from "../protocol/stream_client";
 import { some_scene } from "../scene/testing";
 import { FileShot, type FileState } from "./file_shot";
+import { settled, WorkerByHand } from "./testing";
 
-const settled = () => new Promise((resolve) => setTimeout(resolve, 0));
 const turntable: FileOrder = { kind: "turntable", keys: [some_scene()], size: { width: 640, height: 480 }, frames: 200, frames_per_second: 25, error: 0.05 };
 
-/** A worker by hand. */
-class World {
-  states: FileState[] = [];
-  sent: ClientMessage[] = [];
-  socket: SocketEvents | null = null;
-  open = true;
-  door: Door = () => Promise.resolve({ ok: true, url: "/stream" });
+class World extends WorkerByHand<FileState> {
   shot: FileShot;
 
   constructor(order: FileOrder = turntable) {
-    this.shot = new FileShot(order, {
-      door: (signal) => this.door(signal),
-      open_socket: (_, events) => {
-        this.socket = events;
-        return { send: (data) => this.sent.push(fromBinary(ClientMessageSchema, data)), close: () => (this.open = false) };
-      },
-      after: (ms, task) => {
-        if (ms === 0) queueMicrotask(task);
-        return () => undefined;
-      },
-      state: (state) => this.states.push(state),
-    });
-  }
-  say(body: ServerMessage["body"]): void {
-    this.socket?.message(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body })));
-  }
-  async live(): Promise<void> {
-    this.shot.start();
-    await settled();
-    this.socket?.opened();
-    this.config();
-    await settled();
-  }
-  config(): void {
-    this.say({ case: "config", value: create(ConfigSchema, { scene: some_scene() }) });
+    super();
+    this.shot = new FileShot(order, this.parts);
   }
   part(seq: bigint, text: string, last = false): void {
     this.say({ case: "filePart", value: create(FilePartSchema, { seq, data: new TextEncoder().encode(text), last }) });
   }
   problem(code: string, field: string, fatal = false): void {
     this.say({ case: "problem", value: create(ProblemSchema, { code, field, fatal, message: "Too many lights." }) });
-  }
-  get cases(): (string | undefined)[] {
-    return this.sent.map(({ body }) => body.case);
-  }
-  get state(): FileState | undefined {
-    return this.states.at(-1);
   }
 }
 

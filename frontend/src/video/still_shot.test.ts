@@ -1,64 +1,36 @@
-import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
+import { create } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
-import { ClientMessageSchema, ConfigSchema, FrameSchema, ProblemSchema, ServerMessageSchema, StillSchema, type ClientMessage, type ServerMessage } from "../protocol/gen/api/proto/stream_pb";
+import { FrameSchema, ProblemSchema, StillSchema } from "../protocol/gen/api/proto/stream_pb";
 import { Codec } from "../protocol/messages";
-import type { Door, SocketEvents } from "../protocol/stream_client";
 import { some_scene } from "../scene/testing";
 import { rgb_of } from "./lossless_end";
 import { part_done, StillShot, type ShotState } from "./still_shot";
+import { settled, WorkerByHand } from "./testing";
 
 const size = { width: 32, height: 16 };
-const settled = () => new Promise((resolve) => setTimeout(resolve, 0));
 
-/** A worker by hand. */
-class World {
-  states: ShotState[] = [];
+class World extends WorkerByHand<ShotState> {
   drawn: string[] = [];
-  sent: ClientMessage[] = [];
-  socket: SocketEvents | null = null;
-  open = true;
-  door: Door = () => Promise.resolve({ ok: true, url: "/stream" });
   shot: StillShot;
 
   constructor(error: number) {
+    super();
     this.shot = new StillShot(
       { scene: some_scene(), size, error },
       { draw: (picture) => this.drawn.push(`${picture.width} x ${picture.height}`), draw_tiles: (tiles) => this.drawn.push(`${tiles.length} tiles`) },
       {
-        door: (signal) => this.door(signal),
-        open_socket: (_, events) => {
-          this.socket = events;
-          return { send: (data) => this.sent.push(fromBinary(ClientMessageSchema, data)), close: () => (this.open = false) };
-        },
-        after: (ms, task) => {
-          if (ms === 0) queueMicrotask(task);
-          return () => undefined;
-        },
+        ...this.parts,
         decode: (frame) => Promise.resolve({ image: {} as CanvasImageSource, width: frame.width, height: frame.height, close: () => undefined }),
         decode_still: (still) => Promise.resolve(new Uint8ClampedArray(4 * size.width * size.height).fill(still.data[0] ?? 0)),
         sha256: (bytes) => Promise.resolve(Uint8Array.of(bytes.reduce((a, b) => (a + b) % 251, 0))),
         stills: [],
         now_ms: () => 0,
-        state: (state) => this.states.push(state),
       },
     );
-  }
-  say(body: ServerMessage["body"]): void {
-    this.socket?.message(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body })));
-  }
-  async live(): Promise<void> {
-    this.shot.start();
-    await settled();
-    this.socket?.opened();
-    this.say({ case: "config", value: create(ConfigSchema, { scene: some_scene() }) });
-    await settled();
   }
   async frame(error: number, more: object = {}): Promise<void> {
     this.say({ case: "frame", value: create(FrameSchema, { codec: Codec.JPEG, seq: 1n, epoch: 2n, inputSeq: 2n, iteration: 64n, error, ...size, ...more }) });
     await settled();
-  }
-  get state(): ShotState | undefined {
-    return this.states.at(-1);
   }
 }
 

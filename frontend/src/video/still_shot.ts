@@ -1,13 +1,11 @@
-import { open_browser_socket } from "../protocol/browser_socket";
-import type { Trouble } from "../protocol/connection";
-import { Codec, type Abilities, type Frame, type Scene, type Viewport } from "../protocol/messages";
-import { StreamClient, type Door, type OpenSocket } from "../protocol/stream_client";
+import type { Abilities, Frame, Scene, Viewport } from "../protocol/messages";
+import type { Door } from "../protocol/stream_client";
 import { JpegDecoder } from "./jpeg";
 import { LosslessEnd, type LosslessFacts, type TilePixels } from "./lossless_end";
 import type { Picture } from "./picture";
 import { sha256 } from "./sha256";
 import { decode_still } from "./tile_pixels";
-import { unheard } from "./unseen";
+import { browser_unseen, UnseenSession, type UnseenParts, type UnseenState } from "./unseen";
 
 /** What the protocol allows, pixels. */
 export const shortest_side = 16;
@@ -20,11 +18,13 @@ export interface ShotOrder {
   readonly error: number;
 }
 
-export type ShotState =
-  /** `done`: 0 to 1, nothing: not known yet. `waits`: why nothing goes on just now. */
-  | { readonly kind: "rendering"; readonly done: number | null; readonly waits: Trouble | null }
-  | { readonly kind: "done"; readonly error: number; readonly samples: number; readonly lossless: boolean }
-  | { readonly kind: "failed"; readonly trouble: Trouble | "refused_scene" | "stopped"; readonly said: string };
+interface ShotDone {
+  readonly kind: "done";
+  readonly error: number;
+  readonly samples: number;
+  readonly lossless: boolean;
+}
+export type ShotState = UnseenState<ShotDone>;
 
 /** Where the picture is put together. */
 export interface Sheet {
@@ -32,16 +32,12 @@ export interface Sheet {
   draw_tiles(tiles: readonly TilePixels[]): void;
 }
 
-export interface ShotParts {
-  readonly door: Door;
-  readonly open_socket: OpenSocket;
-  readonly after: (ms: number, task: () => void) => () => void;
+export interface ShotParts extends UnseenParts<ShotState> {
   readonly decode: (frame: Frame) => Promise<Picture>;
   readonly decode_still: typeof decode_still;
   readonly sha256: typeof sha256;
   readonly stills: Abilities["stills"];
   readonly now_ms: () => number;
-  readonly state: (state: ShotState) => void;
 }
 
 /** The noise halves with four times the samples: how much of the way is behind. */
@@ -53,18 +49,12 @@ export function part_done(error: number, wanted: number): number | null {
 /** What the renderer itself takes for the end (docs/contracts.md). */
 export const renderers_error = 0.01;
 
-/**
- * A picture of its own size beside the one that is looked at: a session more of the same scan, which nobody sees, until
- * its picture is good enough. It is the person's render time, and ends with it.
- */
+/** A picture of its own size beside the one that is looked at, until it is good enough. */
 export class StillShot {
-  private readonly client_: StreamClient;
+  private readonly session_: UnseenSession<ShotDone>;
   private readonly lossless_: LosslessEnd;
-  private over_ = false;
   private busy_ = false;
   private epoch_ = -1n;
-  private done_: number | null = null;
-  private waits_: Trouble | null = null;
 
   constructor(
     private readonly order_: ShotOrder,
@@ -75,49 +65,28 @@ export class StillShot {
       decode: parts_.decode_still,
       sha256: parts_.sha256,
       show: (tiles, facts) => this.show(tiles, facts),
-      damaged: () => this.fail("refused", ""),
-      ack: (still, times, queue) => this.client_.ack(still, times, queue),
+      damaged: () => this.session_.fail("refused", ""),
+      ack: (still, times, queue) => this.session_.client.ack(still, times, queue),
       now_ms: parts_.now_ms,
     });
-    this.client_ = new StreamClient(
-      {
-        door: parts_.door,
-        open_socket: parts_.open_socket,
-        next_frame: (task) => void parts_.after(0, task), // also while nobody looks at the page
-        after: parts_.after,
-        chance: Math.random,
-        abilities: { codecs: [Codec.JPEG], stills: parts_.stills }, // each frame stands alone
-        pixel_ratio: () => 1,
+    this.session_ = new UnseenSession(parts_, order_.size, parts_.stills, {
+      config: () => {
+        this.epoch_ = -1n;
+        this.lossless_.reset();
       },
-      {
-        ...unheard,
-        connection: ({ phase, trouble }) => {
-          if (trouble !== null && (phase === "stopped" || phase === "elsewhere")) this.fail(trouble, "");
-          else if (!this.over_ && trouble !== this.waits_) {
-            this.waits_ = trouble;
-            this.tell();
-          }
-        },
-        config: () => {
-          this.epoch_ = -1n;
-          this.lossless_.reset();
-        },
-        frame: (frame) => void this.frame(frame),
-        still: (still) => void this.lossless_.receive(still),
-        problem: ({ message }) => this.fail("refused_scene", message),
-      },
-      order_.size,
-    );
-    this.client_.remember(order_.scene, 1); // newer than what the session begins with
+      frame: (frame) => void this.frame(frame),
+      still: (still) => void this.lossless_.receive(still),
+      problem: ({ message }) => this.session_.fail("refused_scene", message),
+    });
+    this.session_.client.remember(order_.scene, 1); // newer than what the session begins with
   }
 
   start(): void {
-    this.tell();
-    this.client_.start();
+    this.session_.start();
   }
 
   stop(): void {
-    this.fail("stopped", "");
+    this.session_.stop();
   }
 
   private async frame(frame: Frame): Promise<void> {
@@ -126,19 +95,18 @@ export class StillShot {
     const own = frame.inputSeq > 1n && frame.width === this.order_.size.width && frame.height === this.order_.size.height;
     const samples = Number(frame.iteration);
     const wanted = this.order_.error || renderers_error;
-    if (own && !this.over_) {
+    if (own && !this.session_.is_over()) {
       this.epoch_ = frame.epoch;
-      this.done_ = part_done(frame.error, wanted);
-      this.tell();
+      this.session_.is_at(part_done(frame.error, wanted));
     }
-    const enough = own && !this.over_ && !this.busy_ && frame.error <= this.order_.error; // 0: never, it ends with its tiles
+    const enough = own && !this.session_.is_over() && !this.busy_ && frame.error <= this.order_.error; // 0: never, it ends with its tiles
     if (enough) {
       this.busy_ = true;
       try {
         const picture = await this.parts_.decode(frame);
-        if (!this.over_) {
+        if (!this.session_.is_over()) {
           this.sheet_.draw(picture);
-          this.finish({ kind: "done", samples, error: frame.error, lossless: false });
+          this.session_.finish({ kind: "done", samples, error: frame.error, lossless: false });
         }
         picture.close();
       } catch {
@@ -147,30 +115,15 @@ export class StillShot {
       this.busy_ = false;
     }
     const now = this.parts_.now_ms();
-    this.client_.ack(frame, { received_ms, decoded_ms: now, presented_ms: now }, 0);
+    this.session_.client.ack(frame, { received_ms, decoded_ms: now, presented_ms: now }, 0);
   }
 
   private show(tiles: readonly TilePixels[], facts: LosslessFacts): boolean {
     const { width, height } = this.order_.size;
-    if (this.over_ || facts.epoch !== this.epoch_ || facts.width !== width || facts.height !== height) return false;
+    if (this.session_.is_over() || facts.epoch !== this.epoch_ || facts.width !== width || facts.height !== height) return false;
     this.sheet_.draw_tiles(tiles);
-    this.finish({ kind: "done", samples: facts.samples, error: facts.error, lossless: true });
+    this.session_.finish({ kind: "done", samples: facts.samples, error: facts.error, lossless: true });
     return true;
-  }
-
-  private tell(): void {
-    this.parts_.state({ kind: "rendering", done: this.done_, waits: this.waits_ });
-  }
-
-  private fail(trouble: Trouble | "refused_scene" | "stopped", said: string): void {
-    this.finish({ kind: "failed", trouble, said });
-  }
-
-  private finish(state: ShotState): void {
-    if (this.over_) return;
-    this.over_ = true;
-    this.client_.stop();
-    this.parts_.state(state);
   }
 }
 
@@ -178,17 +131,11 @@ export class StillShot {
 export function browser_parts(door: Door, stills: Abilities["stills"], state: (state: ShotState) => void): ShotParts {
   const decoder = new JpegDecoder();
   return {
-    door,
-    open_socket: open_browser_socket,
-    after: (ms, task) => {
-      const timer = setTimeout(task, ms);
-      return () => clearTimeout(timer);
-    },
+    ...browser_unseen(door, state),
     decode: (frame) => decoder.decode(frame),
     decode_still,
     sha256,
     stills,
     now_ms: () => performance.now(),
-    state,
   };
 }

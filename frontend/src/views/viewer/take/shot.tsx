@@ -2,9 +2,10 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { Place } from "../../../live/place";
 import type { FileOrder } from "../../../protocol/file_messages";
 import { t } from "../../../texts";
-import { browser_file_parts, FileShot, type FileState } from "../../../video/file_shot";
+import { FileShot, type FileState } from "../../../video/file_shot";
 import { browser_parts, renderers_error, StillShot, type ShotOrder, type ShotState } from "../../../video/still_shot";
 import { probe_stills } from "../../../video/tile_pixels";
+import { browser_unseen } from "../../../video/unseen";
 import { Icon } from "../../icons";
 import { save_file } from "./save_file";
 
@@ -56,7 +57,7 @@ function own_session(place: Place) {
 
 function file(order: FileOrder, place: Place, tell: (state: FileState) => void): Work {
   const { door, leave } = own_session(place);
-  return new FileShot(order, browser_file_parts(door, (state) => {
+  return new FileShot(order, browser_unseen(door, (state) => {
     if (state.kind !== "rendering") leave();
     if (state.kind === "done") save_file(state.file);
     tell(state);
