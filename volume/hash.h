@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
 
 #include "common/result.h"
@@ -10,5 +11,20 @@ namespace diaphane::volume {
 /// "blake2b:" and the hexadecimal BLAKE2b-256 (RFC 7693) of the bytes.
 /// kUnsupported in a build without libsodium.
 Result<std::string> content_hash(const void* data, std::size_t bytes);
+
+/// The same of what comes piece by piece; after sodium_init(). Empty in a build without libsodium.
+class RunningHash {
+ public:
+  RunningHash();
+  ~RunningHash();
+  RunningHash(const RunningHash&) = delete;
+  RunningHash& operator=(const RunningHash&) = delete;
+  void add(const void* data, std::size_t bytes);
+  std::string end();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace diaphane::volume

@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "common/fault_point.h"
+#include "common/fd.h"
 #include "common/ids.h"
-#include "volume/fd.h"
-#include "volume/sealed_copy.h"
+#include "volume/hash.h"
 #include "volume/store.h"
 
 namespace diaphane::volume {
@@ -138,7 +138,7 @@ Result<Volume> NodeCache::read(const std::string& id) {
   if (seal) {
     Volume volume{std::move(*header), {}, id};
     // Asked again at the end: what was erased or replaced meanwhile is not given out.
-    if (read_copy(name_of(id, *seal), volume.header, volume.voxels) &&
+    if (read_copy(name_of(id, *seal), *seal, volume.header, volume.voxels) &&
         stored_hash(directory) == volume.header.content_hash) {
       const std::lock_guard lock(mutex_);
       ++counts_.hits;
@@ -152,11 +152,10 @@ Result<Volume> NodeCache::read(const std::string& id) {
   return volume::read(directory, false);
 }
 
-bool NodeCache::read_copy(const std::string& name, const Header& header,
+bool NodeCache::read_copy(const std::string& name, const Seal& seal, const Header& header,
                           std::vector<std::int16_t>& voxels) {
-  const auto seal = Seal::of(header.content_hash);
   const Fd file(::open(path(name).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
-  if (!seal || !file) return false;
+  if (!file) return false;
   struct stat info {};
   if (fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode)) return false;
   const std::uint64_t bytes = header.voxel_count() * sizeof(std::int16_t);
@@ -169,7 +168,7 @@ bool NodeCache::read_copy(const std::string& name, const Header& header,
       const std::size_t piece = std::min<std::uint64_t>(kPiece, bytes - at);
       whole = read_all(file.get(), data + at, piece);
       if (!whole) break;
-      seal->apply(data + at, piece, at);
+      seal.apply(data + at, piece, at);
       hash.add(data + at, piece);
     }
     whole = whole && hash.end() == header.content_hash;

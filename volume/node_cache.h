@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "volume/sealed_copy.h"
 #include "volume/volume.h"
 
 namespace diaphane::volume {
@@ -78,7 +79,8 @@ class NodeCache {
 
  private:
   explicit NodeCache(Options options);
-  bool read_copy(const std::string& name, const Header& header, std::vector<std::int16_t>& voxels);
+  bool read_copy(const std::string& name, const Seal& seal, const Header& header,
+                 std::vector<std::int16_t>& voxels);
   bool write_copy(const Volume& volume, const std::stop_token& stop);
   void write_all_kept(const std::stop_token& stop);
   void sweep_always(const std::stop_token& stop);

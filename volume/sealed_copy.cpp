@@ -1,7 +1,5 @@
 #include "volume/sealed_copy.h"
 
-#include "volume/hash.h"
-
 #ifdef DIAPHANE_HAVE_SODIUM
 #include <sodium.h>
 #endif
@@ -45,37 +43,13 @@ void Seal::apply(void* data, std::size_t bytes, std::uint64_t offset) const {
   crypto_stream_xchacha20_xor_ic(at, at, bytes, kNonce, offset / kBlock, key_.data());
 }
 
-struct RunningHash::State {
-  crypto_generichash_state hash;
-};
-
-RunningHash::RunningHash() : state_(std::make_unique<State>()) {
-  crypto_generichash_init(&state_->hash, nullptr, 0, crypto_generichash_BYTES);
-}
-void RunningHash::add(const void* data, std::size_t bytes) {
-  crypto_generichash_update(&state_->hash, static_cast<const unsigned char*>(data), bytes);
-}
-std::string RunningHash::end() {
-  unsigned char digest[crypto_generichash_BYTES];
-  crypto_generichash_final(&state_->hash, digest, sizeof digest);
-  char hex[2 * sizeof digest + 1];
-  sodium_bin2hex(hex, sizeof hex, digest, sizeof digest);
-  return "blake2b:" + std::string(hex);
-}
-
 #else
 
 Result<Seal> Seal::of(const std::string&) {
   return fail(ErrorCode::kUnsupported, "this build has no libsodium: volumes are not copied");
 }
 void Seal::apply(void*, std::size_t, std::uint64_t) const {}
-struct RunningHash::State {};
-RunningHash::RunningHash() = default;
-void RunningHash::add(const void*, std::size_t) {}
-std::string RunningHash::end() { return {}; }
 
 #endif
-
-RunningHash::~RunningHash() = default;
 
 }  // namespace diaphane::volume

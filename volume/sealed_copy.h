@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <string>
 
 #include "common/result.h"
@@ -31,21 +30,6 @@ class Seal {
   Seal() = default;
   std::array<unsigned char, 32> key_{};
   std::string tag_;
-};
-
-/// content_hash() of what comes piece by piece.
-class RunningHash {
- public:
-  RunningHash();
-  ~RunningHash();
-  RunningHash(const RunningHash&) = delete;
-  RunningHash& operator=(const RunningHash&) = delete;
-  void add(const void* data, std::size_t bytes);
-  std::string end();
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
 };
 
 }  // namespace diaphane::volume

@@ -14,8 +14,8 @@
 #include <utility>
 
 #include "common/fault_point.h"
+#include "common/fd.h"
 #include "common/ids.h"
-#include "volume/fd.h"
 #include "volume/hash.h"
 #include "volume/header.h"
 #include "volume/volume.h"

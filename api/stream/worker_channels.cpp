@@ -3,7 +3,6 @@
 #include <netdb.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <new>
@@ -11,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/fd.h"
 #include "common/wire/grpc_credentials.h"
 
 namespace diaphane::api::stream {
@@ -22,27 +22,22 @@ constexpr int kMostMessageBytes = 64 << 20;
 class Socket {
  public:
   explicit Socket(const addrinfo& info)
-      : handle_(::socket(info.ai_family, info.ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC,
-                         info.ai_protocol)) {}
-  ~Socket() {
-    if (handle_ >= 0) ::close(handle_);
-  }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
+      : fd_(::socket(info.ai_family, info.ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC,
+                     info.ai_protocol)) {}
 
   bool connects(const addrinfo& info, std::chrono::milliseconds timeout) const {
-    if (handle_ < 0) return false;
-    if (::connect(handle_, info.ai_addr, info.ai_addrlen) == 0) return true;
+    if (!fd_) return false;
+    if (::connect(fd_.get(), info.ai_addr, info.ai_addrlen) == 0) return true;
     if (errno != EINPROGRESS) return false;
-    pollfd waiting{handle_, POLLOUT, 0};
+    pollfd waiting{fd_.get(), POLLOUT, 0};
     if (::poll(&waiting, 1, static_cast<int>(timeout.count())) != 1) return false;
     int error = 0;
     socklen_t size = sizeof error;
-    return ::getsockopt(handle_, SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error == 0;
+    return ::getsockopt(fd_.get(), SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error == 0;
   }
 
  private:
-  int handle_;
+  Fd fd_;
 };
 
 }  // namespace

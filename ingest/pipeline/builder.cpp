@@ -11,6 +11,7 @@
 #include <iterator>
 #include <new>
 
+#include "common/fd.h"
 #include "ingest/pipeline/child.h"
 #include "ingest/pipeline/cut_child.h"
 #include "ingest/pipeline/supervisor.h"
@@ -20,21 +21,6 @@ namespace diaphane::ingest {
 namespace {
 
 constexpr std::uint64_t kMb = std::uint64_t{1} << 20;
-
-class Fd {
- public:
-  explicit Fd(int fd) : fd_(fd) {}
-  Fd(const Fd&) = delete;
-  Fd& operator=(const Fd&) = delete;
-  ~Fd() {
-    if (fd_ >= 0) close(fd_);
-  }
-  int get() const { return fd_; }
-  explicit operator bool() const { return fd_ >= 0; }
-
- private:
-  int fd_;
-};
 
 /// A file without a name, so that nothing is left of it however we end.
 int unnamed_file(const std::string& directory) {
@@ -46,7 +32,8 @@ int unnamed_file(const std::string& directory) {
   return named;
 }
 
-bool read_all(int fd, char* data, std::size_t bytes) {
+/// The child has left the descriptor at the end.
+bool read_from_start(int fd, char* data, std::size_t bytes) {
   off_t at = 0;
   while (bytes > 0) {
     const ssize_t got = pread(fd, data, bytes, at);
@@ -95,7 +82,7 @@ Result<void> take_voxels(int fd, std::uint64_t most_voxels, Build& build) {
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kOutOfMemory, "no memory for the volume");
   }
-  if (!read_all(fd, reinterpret_cast<char*>(build.volume.voxels.data()),
+  if (!read_from_start(fd, reinterpret_cast<char*>(build.volume.voxels.data()),
                 count * sizeof(std::int16_t))) {
     return fail(ErrorCode::kInternal, "the voxels cannot be read back");
   }

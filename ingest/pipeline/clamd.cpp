@@ -20,6 +20,8 @@
 #include <thread>
 #include <utility>
 
+#include "common/fd.h"
+
 namespace diaphane::ingest {
 namespace {
 
@@ -56,53 +58,36 @@ std::optional<std::uint64_t> content_bytes(std::span<const char> header) {
   return octal(header.subspan(124, 12));
 }
 
-class Socket {
- public:
-  explicit Socket(int fd) : fd_(fd) {}
-  Socket(Socket&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-  Socket& operator=(Socket&&) = delete;
-  ~Socket() {
-    if (fd_ >= 0) close(fd_);
-  }
-  int get() const { return fd_; }
-  explicit operator bool() const { return fd_ >= 0; }
-
- private:
-  int fd_;
-};
-
-Socket connect_to_path(const std::string& path) {
+Fd connect_to_path(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.size() >= sizeof address.sun_path) {
     errno = ENAMETOOLONG;
-    return Socket(-1);
+    return Fd(-1);
   }
   std::memcpy(address.sun_path, path.data(), path.size());
-  Socket made(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  Fd made(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (made && connect(made.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    return Socket(-1);
+    return Fd(-1);
   return made;
 }
 
-Socket connect_to_host(const std::string& host, const std::string& port) {
+Fd connect_to_host(const std::string& host, const std::string& port) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
   if (getaddrinfo(host.c_str(), port.c_str(), &hints, &found) != 0) {
     errno = EHOSTUNREACH;
-    return Socket(-1);
+    return Fd(-1);
   }
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> held(found, freeaddrinfo);
-  Socket made(socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  Fd made(socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (made && connect(made.get(), found->ai_addr, found->ai_addrlen) != 0 && errno != EINPROGRESS)
-    return Socket(-1);
+    return Fd(-1);
   return made;
 }
 
-Socket connect_to(const std::string& address) {
+Fd connect_to(const std::string& address) {
   const std::size_t colon = address.rfind(':');
   if (address.starts_with('/') || colon == std::string::npos) return connect_to_path(address);
   return connect_to_host(address.substr(0, colon), address.substr(colon + 1));
@@ -113,7 +98,7 @@ enum class Step { kDone, kStopped, kSilent, kBroken };
 /// One conversation with clamd.
 class Talk {
  public:
-  Talk(Socket socket, milliseconds silence, const Clamd::GoOn& go_on)
+  Talk(Fd socket, milliseconds silence, const Clamd::GoOn& go_on)
       : socket_(std::move(socket)), silence_(silence), go_on_(go_on) {}
 
   Step send(std::string_view data) {
@@ -160,7 +145,7 @@ class Talk {
     }
   }
 
-  Socket socket_;
+  Fd socket_;
   const milliseconds silence_;
   const Clamd::GoOn& go_on_;
   Clock::time_point heard_ = Clock::now();
@@ -228,7 +213,7 @@ Result<Clamd::Found> Clamd::look_at(int fd, const Piece& piece, const GoOn& go_o
   for (const auto until = Clock::now() + options_.silence;;) {
     if (!go_on()) return Found::kStopped;
     std::string why;
-    if (Socket socket = connect_to(options_.address)) {
+    if (Fd socket = connect_to(options_.address)) {
       Talk talk(std::move(socket), options_.silence, go_on);
       Step step = stream(talk, fd, piece, buffer);
       std::string answer;

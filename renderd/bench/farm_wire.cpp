@@ -5,6 +5,8 @@
 
 #include <cerrno>
 
+#include "common/fd.h"
+
 namespace diaphane::render::bench {
 namespace {
 
@@ -13,20 +15,10 @@ struct Head {
   std::uint64_t bytes;
 };
 
-bool write_all(int descriptor, const char* data, std::size_t bytes) {
+/// A socket whose other end has gone is an error, not a signal.
+bool send_all(int descriptor, const char* data, std::size_t bytes) {
   while (bytes > 0) {
     const ssize_t n = ::send(descriptor, data, bytes, MSG_NOSIGNAL);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    data += n;
-    bytes -= static_cast<std::size_t>(n);
-  }
-  return true;
-}
-
-bool read_all(int descriptor, char* data, std::size_t bytes) {
-  while (bytes > 0) {
-    const ssize_t n = ::read(descriptor, data, bytes);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) return false;
     data += n;
@@ -43,8 +35,8 @@ FarmWire::~FarmWire() {
 
 bool FarmWire::send(FarmWord word, std::string_view payload) const {
   const std::string head = packed(Head{word, payload.size()});
-  return write_all(descriptor_, head.data(), head.size()) &&
-         write_all(descriptor_, payload.data(), payload.size());
+  return send_all(descriptor_, head.data(), head.size()) &&
+         send_all(descriptor_, payload.data(), payload.size());
 }
 
 std::optional<FarmMessage> FarmWire::receive() const {

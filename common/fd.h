@@ -4,15 +4,18 @@
 
 #include <cerrno>
 #include <cstddef>
+#include <utility>
 
-namespace diaphane::volume {
+namespace diaphane {
 
 /// A file descriptor that is closed at the end of its scope.
 class Fd {
  public:
   explicit Fd(int fd) : fd_(fd) {}
+  Fd(Fd&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
   Fd(const Fd&) = delete;
   Fd& operator=(const Fd&) = delete;
+  Fd& operator=(Fd&&) = delete;
   ~Fd() {
     if (fd_ >= 0) close(fd_);
   }
@@ -36,7 +39,7 @@ inline bool write_all(int fd, const void* data, std::size_t bytes) {
   return true;
 }
 
-/// False when the file ends before, or cannot be read.
+/// From where the descriptor is. False when the file ends before, or cannot be read.
 inline bool read_all(int fd, void* data, std::size_t bytes) {
   char* at = static_cast<char*>(data);
   while (bytes > 0) {
@@ -49,4 +52,4 @@ inline bool read_all(int fd, void* data, std::size_t bytes) {
   return true;
 }
 
-}  // namespace diaphane::volume
+}  // namespace diaphane
