@@ -68,6 +68,19 @@ Result<AVFrame*> YuvConverter::convert(const PictureRgb8& picture, Canvas to) {
   return frame_.get();
 }
 
+void set_bt709(AVCodecContext& coder, Canvas size, int frames_per_second) {
+  coder.width = static_cast<int>(size.width);
+  coder.height = static_cast<int>(size.height);
+  coder.pix_fmt = AV_PIX_FMT_YUV420P;
+  coder.time_base = {1, frames_per_second};
+  coder.framerate = {frames_per_second, 1};
+  coder.color_range = AVCOL_RANGE_MPEG;
+  coder.colorspace = AVCOL_SPC_BT709;
+  coder.color_primaries = AVCOL_PRI_BT709;
+  coder.color_trc = AVCOL_TRC_BT709;
+  coder.thread_count = 1;
+}
+
 Result<std::string> code(AVCodecContext& context, const AVFrame& frame, AVPacket& packet,
                          bool& key) {
   int result = avcodec_send_frame(&context, &frame);

@@ -65,6 +65,10 @@ class YuvConverter {
   std::vector<std::uint8_t> padded_;
 };
 
+/// Tells a coder, before it is opened, what YuvConverter gives it by kBt709, so that players show the
+/// right colours, and that it has one thread: pictures of several sessions are coded side by side.
+void set_bt709(AVCodecContext& coder, Canvas size, int frames_per_second);
+
 /// Sends one frame and takes the one packet that it must yield: an encoder that holds a frame back
 /// is an error, since a viewer would wait for it.
 Result<std::string> code(AVCodecContext& context, const AVFrame& frame, AVPacket& packet,

@@ -138,17 +138,8 @@ class Mp4File final : public FilmFile {
     if (!coder_ || !packet_) return no_memory();
     AVCodecContext& coder = *coder_;
     const int rate = static_cast<int>(format_.frames_per_second);
-    coder.width = static_cast<int>(format_.size.width);
-    coder.height = static_cast<int>(format_.size.height);
-    coder.pix_fmt = AV_PIX_FMT_YUV420P;
-    coder.time_base = {1, rate};
-    coder.framerate = {rate, 1};
-    coder.color_range = AVCOL_RANGE_MPEG;
-    coder.colorspace = AVCOL_SPC_BT709;
-    coder.color_primaries = AVCOL_PRI_BT709;
-    coder.color_trc = AVCOL_TRC_BT709;
-    coder.gop_size = rate;   // a player finds any second at once
-    coder.thread_count = 1;  // nobody waits for it
+    ffmpeg::set_bt709(coder, format_.size, rate);
+    coder.gop_size = rate;  // a player finds any second at once
     coder.flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_BITEXACT;
     coder.rc_max_rate = most_bits_a_second(format_);
     coder.rc_buffer_size = static_cast<int>(coder.rc_max_rate / 2);

@@ -63,18 +63,8 @@ class H264Encoder final : public Encoder {
     context_.reset(avcodec_alloc_context3(codec_));
     if (!context_) return fail(ErrorCode::kOutOfMemory, "No memory for an H.264 encoder.");
     AVCodecContext& context = *context_;
-    context.width = static_cast<int>(size.width);
-    context.height = static_cast<int>(size.height);
-    context.pix_fmt = AV_PIX_FMT_YUV420P;
-    context.time_base = {1, kFramesPerSecond};
-    context.framerate = {kFramesPerSecond, 1};
-    context.color_range = AVCOL_RANGE_MPEG;
-    context.colorspace = AVCOL_SPC_BT709;
-    context.color_primaries = AVCOL_PRI_BT709;
-    context.color_trc = AVCOL_TRC_BT709;
+    ffmpeg::set_bt709(context, size, kFramesPerSecond);
     context.max_b_frames = 0;
-    // Sessions are coded side by side: threads within one would only hand over to each other.
-    context.thread_count = 1;
     bytes_ = bound(request);
     apply_bound();
     set_options(request);

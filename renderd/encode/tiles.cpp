@@ -51,8 +51,9 @@ Result<std::string> encode_png(const std::string& rgb, Canvas size, int level) {
   auto file = (*rows)->add({reinterpret_cast<const std::uint8_t*>(rgb.data()), rgb.size()});
   if (!file) return file;
   auto end = (*rows)->finish();
-  if (end) *file += *end;
-  return end ? file : end;
+  if (!end) return end;
+  *file += *end;
+  return file;
 }
 
 Result<std::string> encode_webp(const std::string& rgb, Canvas size, int level) {
