@@ -100,14 +100,14 @@ void FileWork::taken(std::uint64_t seq) {
 void FileWork::send() {
   const std::lock_guard one(sending_);
   const auto sink = sink_.lock();
-  while (sink && !stopped_) {
+  while (sink && !stopped_ && !over_) {
     std::string part;
     std::uint64_t seq = 0;
     bool last = false;
     {
       const std::lock_guard lock(mutex_);
       const bool full = sent_ - taken_ >= kFilePartsInFlight;
-      if (over_ || full || (unsent() < kFilePartBytes && !whole_)) return;
+      if (full || (unsent() < kFilePartBytes && !whole_)) return;
       part = ready_.substr(cut_, kFilePartBytes);
       cut_ += part.size();
       seq = ++sent_;

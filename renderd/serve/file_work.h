@@ -45,8 +45,6 @@ class FileWork : public std::enable_shared_from_this<FileWork> {
   void stop();
   /// Parts up to this one have come.
   void taken(std::uint64_t seq);
-  /// All of it was sent.
-  bool over() const { return over_; }
 
  private:
   void next();
@@ -63,9 +61,10 @@ class FileWork : public std::enable_shared_from_this<FileWork> {
   const std::unique_ptr<FileMaker> maker_;  // by one after the other: the lane, then the pool
   const std::weak_ptr<FileSink> sink_;
   const std::function<void(double)> took_;
-  std::atomic<bool> stopped_{false}, over_{false};
+  std::atomic<bool> stopped_{false};
 
   std::mutex sending_;  // one call of the sink at a time; taken before the other
+  bool over_ = false;   // under that one: the last call was made
   std::mutex mutex_;
   std::size_t unsent() const { return ready_.size() - cut_; }
   std::string ready_;

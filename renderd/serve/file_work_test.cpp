@@ -112,7 +112,6 @@ TEST_F(FileWorkTest, AFileComesWholeAndInOrder) {
   EXPECT_EQ(sink->file.size(), 12500u);
   EXPECT_EQ(sink->last_done, 1);
   EXPECT_EQ(charged, 10);
-  EXPECT_TRUE(file->over());
 }
 
 TEST_F(FileWorkTest, NoMorePartsAreOnTheirWayThanTheirBound) {

@@ -408,11 +408,12 @@ void LiveSession::finish_link(std::uint64_t connection, const Error& why, bool w
   }
   link->second->finish(why);
   links_.erase(link);
+  give_up_file_of(connection);
 }
 
 void LiveSession::leave(std::uint64_t connection) {
   render::detach(state_, connection, parts_.clock.now());
-  if (file_ && file_->connection == connection) give_up_file();
+  give_up_file_of(connection);
   if (state_.audience.receivers.empty()) voxels_.reset();
   close_unused_lanes();
   tell_audience();

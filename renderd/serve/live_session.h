@@ -172,8 +172,10 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   Result<void> note_key_view(const diaphane::v1::KeyView& view);
   Result<std::shared_ptr<FileWork>> begin_file(std::uint64_t connection,
                                                const diaphane::v1::FileWanted& wanted);
-  void send_of_file(const FileLink& link, const diaphane::v1::ServerMessage& message);
-  void give_up_file();  // under the lock
+  void send_of_file(const FileLink& link, const diaphane::v1::ServerMessage& message, bool last);
+  // Under the lock.
+  void give_up_file();
+  void give_up_file_of(std::uint64_t connection);
 
   // All of these under the lock.
   void send(std::uint64_t connection, const diaphane::v1::ServerMessage& message);

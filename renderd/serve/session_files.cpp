@@ -44,18 +44,18 @@ class LiveSession::FileLink final : public FileSink {
     part.set_seq(seq);
     part.set_data(std::move(bytes));
     part.set_last(last);
-    say(message);
+    say(message, last);
   }
   void ended(const Error& why) override {
     log::warning("file_failed", {{"code", to_string(why.code)}});
     v1::ServerMessage message;
     *message.mutable_problem() = problem_of({why.code, why.message, "file"}, 0, false);
-    say(message);
+    say(message, true);
   }
 
  private:
-  void say(const v1::ServerMessage& message) {
-    if (const auto session = session_.lock()) session->send_of_file(*this, message);
+  void say(const v1::ServerMessage& message, bool last = false) {
+    if (const auto session = session_.lock()) session->send_of_file(*this, message, last);
   }
 
   const std::weak_ptr<LiveSession> session_;
@@ -104,10 +104,7 @@ Result<void> LiveSession::note_key_view(const v1::KeyView& view) {
 Result<std::shared_ptr<FileWork>> LiveSession::begin_file(std::uint64_t connection,
                                                           const v1::FileWanted& wanted) {
   if (!volume_ || ended_) return fail(ErrorCode::kUnavailable, "The scan is not there yet.");
-  if (file_ && !file_->work->over()) {
-    return fail(ErrorCode::kConflict, "A file is being made already.");
-  }
-  give_up_file();
+  if (file_) return fail(ErrorCode::kConflict, "A file is being made already.");
   auto place = place_among(parts_.files);
   if (!place) {
     return fail(ErrorCode::kTooMany, "Enough files are being made here now. Try again later.");
@@ -127,14 +124,21 @@ Result<std::shared_ptr<FileWork>> LiveSession::begin_file(std::uint64_t connecti
   return work;
 }
 
-void LiveSession::send_of_file(const FileLink& link, const v1::ServerMessage& message) {
+void LiveSession::send_of_file(const FileLink& link, const v1::ServerMessage& message, bool last) {
   const std::lock_guard lock(mutex_);
-  if (file_ && file_->link.get() == &link) send(link.connection(), message);
+  if (!file_ || file_->link.get() != &link) return;
+  send(link.connection(), message);
+  // Its place among the worker's files is free, whether or not the viewer stays.
+  if (last) file_.reset();
 }
 
 void LiveSession::give_up_file() {
   if (file_) file_->work->stop();
   file_.reset();
+}
+
+void LiveSession::give_up_file_of(std::uint64_t connection) {
+  if (file_ && file_->connection == connection) give_up_file();
 }
 
 }  // namespace diaphane::render

@@ -188,6 +188,29 @@ TEST_F(SessionFilesTest, OneAtATimeAndTwoOnAWorker) {
   FAIL() << "the place was never free again";
 }
 
+TEST_F(SessionFilesTest, ItsPlaceIsFreeOnceItWasSentThoughTheViewerStays) {
+  Viewer one = attach(new_id()), two = attach(new_id()), three = attach(new_id());
+  for (Viewer* viewer : {&one, &two, &three, &one}) {
+    viewer->key(0, viewer->scene);
+    viewer->film(2);
+    EXPECT_GT(viewer->file().size(), 100u);
+  }
+}
+
+TEST_F(SessionFilesTest, WhoComesAgainBeforeTheOldConnectionIsSeenDeadGetsTheFile) {
+  device->seconds_per_megapixel = 1;
+  const std::string session = new_id();
+  Viewer before = attach(session);
+  before.key(0, before.scene);
+  before.film(600);
+  ASSERT_TRUE(before.link->inbox.next_of(Kind::kFileProgress));
+  Viewer now = attach(session);
+  EXPECT_TRUE(before.link->inbox.ended());
+  now.key(0, now.scene);
+  now.film(2);
+  EXPECT_GT(now.file().size(), 100u);
+}
+
 TEST_F(SessionFilesTest, WhatMakesNoSenseIsRefusedAndTheSessionGoesOn) {
   Viewer one = attach(new_id());
   const auto refused = [&](const char* why) {
