@@ -1,5 +1,6 @@
 import { create, fromBinary, toBinary } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
+import { full_effort } from "../scene/effort";
 import { SceneSchema, type Scene } from "./gen/api/proto/scene_pb";
 import {
   ClientMessageSchema,
@@ -285,6 +286,23 @@ describe("the stream client", () => {
     world.screen();
     expect(world.updates()).toHaveLength(before + 1);
     expect(said()).toMatchObject({ raw: true, effort: { stopError: 0.1 } });
+  });
+
+  it("tells a worker that has its session still what was chosen while nobody heard it", async () => {
+    await world.live(1, 0);
+    world.client.set_effort({ ...full_effort, stop_error: 0.1 });
+    world.screen();
+    world.sockets.at(-1)?.closed(4503);
+    world.client.set_effort(full_effort);
+    world.timeout();
+    await Promise.resolve();
+    await Promise.resolve();
+    world.sockets.at(-1)?.opened();
+    const before = world.sent.length;
+    world.config(6, 2);
+    world.screen();
+    const said = world.sent.slice(before).flatMap(({ body }) => (body.case === "scene" ? [body.value] : []));
+    expect(said.map(({ effort }) => effort?.stopError ?? 0)).toEqual([0]);
   });
 
   it("speaks again when the presenter's role comes to it, and no more when it goes", async () => {

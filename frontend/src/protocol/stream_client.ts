@@ -282,7 +282,8 @@ export class StreamClient {
     if (this.scene_ && (this.scene_pending_ || seen < this.input_seq_)) this.scene_pending_ = true;
     else if (config.scene) this.scene_ = config.scene;
     this.input_seq_ = Math.max(this.input_seq_, seen);
-    this.effort_pending_ = this.leads_ && this.effort_ !== full_effort; // a worker begins with all of it
+    // A worker begins with all of it; what was chosen while nobody heard it is said too.
+    this.effort_pending_ = this.leads_ && (this.effort_pending_ || this.effort_ !== full_effort);
     if (!this.visible_) this.socket_?.send(encode_visibility(false));
     this.events_.config(this.scene_ ? { ...config, scene: this.scene_ } : config);
     this.plan_flush();

@@ -18,7 +18,8 @@ export const stop_error_limits: Limits = { low: 0.001, high: 1 };
 export const stop_samples_limits: Limits = { low: 1, high: 1_000_000 };
 export const moving_scales = [1, 0.75, 0.5, 0.25] as const;
 
-export type Stop = "best" | "error" | "samples";
+export const stops = ["best", "error", "samples"] as const;
+export type Stop = (typeof stops)[number];
 export const stop_of = ({ stop_error, stop_samples }: Effort): Stop => (stop_error > 0 ? "error" : stop_samples > 0 ? "samples" : "best");
 
 /** What a person begins with who wants it to stop sooner: a picture that looks finished. */

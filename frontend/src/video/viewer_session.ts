@@ -407,6 +407,7 @@ export class ViewerSession {
     this.lossless_end_.reset();
     this.converged_epoch_ = -1;
     this.device.value = config.device;
+    this.kernel.value = null;
     this.volume.value = config.volume ?? null;
     this.slices.configured(stacks_of(config.sliceStacks), config.volume);
     this.presets.value = config.presets;

@@ -10,13 +10,14 @@ const calm_ms = 1000;
 export function KernelFacts({ session }: { readonly session: ViewerSession }) {
   const [open, set_open] = useState(false);
   const epoch = session.picture.value?.epoch;
+  const { phase } = session.connection.value;
   const text = t.kernel;
   useEffect(() => {
-    if (!open) return;
-    // Another scene may have another program.
+    if (!open || phase !== "live") return;
+    // Another scene, or another worker, may have another program.
     const timer = setTimeout(() => session.ask_for_kernel(), session.kernel.value ? calm_ms : 0);
     return () => clearTimeout(timer);
-  }, [open, epoch, session]);
+  }, [open, epoch, phase, session]);
   const report = session.kernel.value;
   return (
     <div class="kernel">

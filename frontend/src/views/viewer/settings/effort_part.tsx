@@ -3,8 +3,6 @@ import { t } from "../../../texts";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { NumberControl, Switch } from "./controls";
 
-const stops = ["best", "error", "samples"] as const;
-
 /** When a picture is good enough, and what is shown until then. */
 export function EffortPart({ session }: { readonly session: ViewerSession }) {
   const text = t.settings.effort;
@@ -18,10 +16,10 @@ export function EffortPart({ session }: { readonly session: ViewerSession }) {
       <label class="control">
         <span class="control-name">{text.stop}</span>
         <select class="choice" value={stop} onChange={(event) => {
-          const chosen = stops.find((one) => one === event.currentTarget.value);
+          const chosen = effort.stops.find((one) => one === event.currentTarget.value);
           if (chosen) session.set_effort(effort.stopping(now, chosen));
         }}>
-          {stops.map((one) => <option key={one} value={one}>{text.stops[one]}</option>)}
+          {effort.stops.map((one) => <option key={one} value={one}>{text.stops[one]}</option>)}
         </select>
       </label>
       {stop === "error" ? (

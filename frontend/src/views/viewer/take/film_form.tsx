@@ -1,4 +1,4 @@
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { PresetInfo } from "../../../api/types";
 import type { FileOrder } from "../../../protocol/file_messages";
 import { scene_from_json, type Scene } from "../../../protocol/messages";
@@ -28,6 +28,11 @@ export function FilmForm({ session, kind, busy, onTake }: FilmFormProps) {
   const [rate, set_rate] = useState("25");
   const [views, set_views] = useState<readonly View[]>([]);
   const [fault, set_fault] = useState("");
+  const [preparing, set_preparing] = useState(false);
+  const here = useRef(true);
+  useEffect(() => () => {
+    here.current = false;
+  }, []);
   const count = typed_seconds(seconds);
   const sized = (name: keyof typeof film_sides) => film_size(session.viewport, film_sides[name]);
   /** What was wrong is being mended. */
@@ -42,12 +47,14 @@ export function FilmForm({ session, kind, busy, onTake }: FilmFormProps) {
     if (count === null) { set_fault(text.wrong_seconds(longest_film_s)); return; }
     const chosen = views.filter((view) => view.taken);
     if (kind === "tour" && (chosen.length < 2 || chosen.length > most_key_views)) { set_fault(text.wrong_views(most_key_views)); return; }
+    set_preparing(true);
     try {
       const keys = kind === "tour" ? await Promise.all(chosen.map((view) => scene_of(view, scene, app.api.presets))) : [scene];
-      onTake(film_order({ kind, keys, size: sized(size), seconds: count, rate: Number(rate), error: errors[quality] }));
+      if (here.current) onTake(film_order({ kind, keys, size: sized(size), seconds: count, rate: Number(rate), error: errors[quality] }));
     } catch (thrown) {
       set_fault(app.explain(thrown));
     }
+    set_preparing(false);
   };
   return (
     <form class="take-form" noValidate onSubmit={(event) => {
@@ -65,7 +72,7 @@ export function FilmForm({ session, kind, busy, onTake }: FilmFormProps) {
       <Choice label={text.quality} value={quality} options={(["quick", "good"] as const).map((name) => [name, text.qualities[name]])}
         onChoose={(name) => set_quality(name as keyof typeof errors)} />
       {fault ? <p class="field-fault" role="alert">{fault}</p> : <p class="field-hint">{text.film_hint(count === null ? 0 : count * Number(rate))}</p>}
-      <p><button type="submit" class="button button-main" disabled={busy}>{busy ? text.of_film.rendering : text.save_film}</button></p>
+      <p><button type="submit" class="button button-main" disabled={busy || preparing}>{busy ? text.of_film.rendering : text.save_film}</button></p>
     </form>
   );
 }
@@ -124,7 +131,7 @@ function ViewList({ data_set_id, views, onViews, onFault }: ViewListProps) {
               <input type="checkbox" checked={view.taken} onChange={(event) => onViews(views.map((one, i) => (i === n ? { ...one, taken: event.currentTarget.checked } : one)))} />
               {name(view)}
             </label>
-            {n > 0 ? <button type="button" class="button button-small" aria-label={text.earlier_of(name(view))} onClick={() => up(n)}>{text.earlier}</button> : null}
+            <button type="button" class="button button-small" aria-label={text.earlier_of(name(view))} aria-disabled={n === 0} onClick={() => up(n)}>{text.earlier}</button>
           </li>
         ))}
       </ol>

@@ -1,9 +1,9 @@
 import type { FileOrder } from "../../../protocol/file_messages";
 import type { Scene, Viewport } from "../../../protocol/messages";
-import { longest_film_s } from "../../../video/file_shot";
+import { longest_film_s, longest_film_side } from "../../../video/file_shot";
 import { with_longest_side } from "./shot_size";
 
-export const film_sides = { small: 640, medium: 1280, large: 1920 } as const;
+export const film_sides = { small: 640, medium: 1280, large: longest_film_side } as const;
 export const film_rates = [10, 25, 30, 60] as const;
 export const most_key_views = 16;
 

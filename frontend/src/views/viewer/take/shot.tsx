@@ -31,17 +31,21 @@ export function use_shot(place: Place): Shot {
   const [state, set_state] = useState<State | null>(null);
   const [film, set_film] = useState(false);
   const work = useRef<Work | null>(null);
+  const taking = useRef(false);
   const left = useRef(false);
-  useEffect(() => {
-    left.current = false;
-    return () => {
-      left.current = true;
-      work.current?.stop();
-    };
+  useEffect(() => () => {
+    left.current = true;
+    work.current?.stop();
   }, []);
   const take = async (order: TakeOrder) => {
+    if (taking.current) return;
+    taking.current = true;
     set_film(order.kind === "turntable" || order.kind === "tour");
-    const begun = order.kind === "still" ? await still(order, place, set_state) : file(order, place, set_state);
+    const tell = (now: State) => {
+      taking.current = now.kind === "rendering";
+      set_state(now);
+    };
+    const begun = order.kind === "still" ? await still(order, place, tell) : file(order, place, tell);
     if (left.current) return; // while it was tried what this browser shows
     work.current = begun;
     begun.start();
