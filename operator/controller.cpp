@@ -67,6 +67,9 @@ Controller::Controller(Options options, kube::Transport& transport, api::redis::
 }
 
 Controller::~Controller() {
+  // Both are told before either is waited for.
+  planner_.request_stop();
+  telemetry_.request_stop();
   planner_ = {};
   telemetry_ = {};
   leader_.reset();
