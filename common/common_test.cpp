@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstddef>
 #include <set>
 #include <string>
@@ -10,6 +12,7 @@
 
 #include "common/claimed_port.h"
 #include "common/config.h"
+#include "common/connect.h"
 #include "common/ids.h"
 #include "common/log.h"
 
@@ -57,6 +60,41 @@ TEST(ClaimedPort, IsNobodyElsesAsLongAsItLives) {
   EXPECT_FALSE(could_be_chosen());
   held.pop_back();
   EXPECT_TRUE(could_be_chosen());
+}
+
+/// Listens on the loopback of one family; no descriptor where the machine has no such.
+struct Listening {
+  explicit Listening(int family) : fd(::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_storage address{};
+    address.ss_family = static_cast<sa_family_t>(family);
+    socklen_t size = sizeof(sockaddr_in);
+    if (family == AF_INET6) {
+      reinterpret_cast<sockaddr_in6&>(address).sin6_addr = in6addr_loopback;
+      size = sizeof(sockaddr_in6);
+    } else {
+      reinterpret_cast<sockaddr_in&>(address).sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    }
+    auto* const any = reinterpret_cast<sockaddr*>(&address);
+    ready = fd && ::bind(fd.get(), any, size) == 0 && ::listen(fd.get(), 1) == 0 &&
+            ::getsockname(fd.get(), any, &size) == 0;
+    port = std::to_string(ntohs(reinterpret_cast<sockaddr_in&>(address).sin_port));
+  }
+  Fd fd;
+  bool ready = false;
+  std::string port;
+};
+
+TEST(ConnectTcp, TriesEachAddressOfTheHost) {
+  using namespace std::chrono_literals;
+  const Listening four(AF_INET);
+  ASSERT_TRUE(four.ready);
+  EXPECT_TRUE(connect_tcp("127.0.0.1:" + four.port, 5s));
+  EXPECT_TRUE(connect_tcp("localhost:" + four.port, 5s)) << "::1 may come first, where nobody is";
+  if (const Listening six(AF_INET6); six.ready) EXPECT_TRUE(connect_tcp("[::1]:" + six.port, 5s));
+  EXPECT_FALSE(connect_tcp("127.0.0.1:1", 5s));
+  EXPECT_EQ(errno, ECONNREFUSED);
+  EXPECT_FALSE(connect_tcp("127.0.0.1", 5s));
+  EXPECT_FALSE(connect_tcp("no-such-host.invalid:80", 5s));
 }
 
 TEST(Config, AnOptionWinsOverTheEnvironment) {

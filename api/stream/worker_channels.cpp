@@ -1,16 +1,11 @@
 #include "api/stream/worker_channels.h"
 
-#include <netdb.h>
-#include <poll.h>
-#include <sys/socket.h>
-
-#include <cerrno>
 #include <new>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "common/fd.h"
+#include "common/connect.h"
 #include "common/wire/grpc_credentials.h"
 
 namespace diaphane::api::stream {
@@ -18,27 +13,6 @@ namespace {
 
 // A frame of 4096 x 4096 in one message, with room.
 constexpr int kMostMessageBytes = 64 << 20;
-
-class Socket {
- public:
-  explicit Socket(const addrinfo& info)
-      : fd_(::socket(info.ai_family, info.ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC,
-                     info.ai_protocol)) {}
-
-  bool connects(const addrinfo& info, std::chrono::milliseconds timeout) const {
-    if (!fd_) return false;
-    if (::connect(fd_.get(), info.ai_addr, info.ai_addrlen) == 0) return true;
-    if (errno != EINPROGRESS) return false;
-    pollfd waiting{fd_.get(), POLLOUT, 0};
-    if (::poll(&waiting, 1, static_cast<int>(timeout.count())) != 1) return false;
-    int error = 0;
-    socklen_t size = sizeof error;
-    return ::getsockopt(fd_.get(), SOL_SOCKET, SO_ERROR, &error, &size) == 0 && error == 0;
-  }
-
- private:
-  Fd fd_;
-};
 
 }  // namespace
 
@@ -92,23 +66,7 @@ WorkerChannels::~WorkerChannels() {
 }
 
 bool accepts_connections(const std::string& address, std::chrono::milliseconds timeout) {
-  const std::size_t colon = address.rfind(':');
-  if (colon == std::string::npos) return false;
-  std::string host = address.substr(0, colon);
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  addrinfo wanted{};
-  wanted.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  if (::getaddrinfo(host.c_str(), address.c_str() + colon + 1, &wanted, &found) != 0) return false;
-  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> owner(found, &::freeaddrinfo);
-  const auto deadline = std::chrono::steady_clock::now() + timeout;
-  for (const addrinfo* one = found; one != nullptr; one = one->ai_next) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
-        deadline - std::chrono::steady_clock::now());
-    if (left.count() <= 0) return false;
-    if (Socket(*one).connects(*one, left)) return true;
-  }
-  return false;
+  return static_cast<bool>(connect_tcp(address, timeout));
 }
 
 }  // namespace diaphane::api::stream

@@ -2,7 +2,6 @@
 
 #include <arpa/inet.h>
 #include <fcntl.h>
-#include <netdb.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -13,14 +12,13 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <memory>
 #include <numeric>
 #include <optional>
 #include <string_view>
 #include <thread>
 #include <utility>
 
-#include "common/fd.h"
+#include "common/connect.h"
 
 namespace diaphane::ingest {
 namespace {
@@ -30,6 +28,7 @@ using std::chrono::milliseconds;
 
 constexpr std::size_t kBlock = 512;
 constexpr milliseconds kStep{100};
+constexpr milliseconds kConnecting{2000};
 
 /// A number of a tar header in octal digits.
 std::optional<std::uint64_t> octal(std::span<const char> field) {
@@ -72,25 +71,9 @@ Fd connect_to_path(const std::string& path) {
   return made;
 }
 
-Fd connect_to_host(const std::string& host, const std::string& port) {
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  if (getaddrinfo(host.c_str(), port.c_str(), &hints, &found) != 0) {
-    errno = EHOSTUNREACH;
-    return Fd(-1);
-  }
-  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> held(found, freeaddrinfo);
-  Fd made(socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (made && connect(made.get(), found->ai_addr, found->ai_addrlen) != 0 && errno != EINPROGRESS)
-    return Fd(-1);
-  return made;
-}
-
 Fd connect_to(const std::string& address) {
-  const std::size_t colon = address.rfind(':');
-  if (address.starts_with('/') || colon == std::string::npos) return connect_to_path(address);
-  return connect_to_host(address.substr(0, colon), address.substr(colon + 1));
+  const bool path = address.starts_with('/') || address.find(':') == std::string::npos;
+  return path ? connect_to_path(address) : connect_tcp(address, kConnecting);
 }
 
 enum class Step { kDone, kStopped, kSilent, kBroken };
@@ -109,8 +92,7 @@ class Talk {
         data.remove_prefix(static_cast<std::size_t>(sent));
         continue;
       }
-      // A TCP connection that is not there yet says ENOTCONN or EAGAIN until it can be written to.
-      if (errno != EAGAIN && errno != EINTR && errno != ENOTCONN) return Step::kBroken;
+      if (errno != EAGAIN && errno != EINTR) return Step::kBroken;
       if (const Step waited = wait_for(POLLOUT); waited != Step::kDone) return waited;
     }
     return Step::kDone;
