@@ -83,7 +83,7 @@ Result<void> take_voxels(int fd, std::uint64_t most_voxels, Build& build) {
     return fail(ErrorCode::kOutOfMemory, "no memory for the volume");
   }
   if (!read_from_start(fd, reinterpret_cast<char*>(build.volume.voxels.data()),
-                count * sizeof(std::int16_t))) {
+                       count * sizeof(std::int16_t))) {
     return fail(ErrorCode::kInternal, "the voxels cannot be read back");
   }
   volume::measure(build.volume, build.verdict.filler);

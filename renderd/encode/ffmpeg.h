@@ -65,8 +65,9 @@ class YuvConverter {
   std::vector<std::uint8_t> padded_;
 };
 
-/// Tells a coder, before it is opened, what YuvConverter gives it by kBt709, so that players show the
-/// right colours, and that it has one thread: pictures of several sessions are coded side by side.
+/// Tells a coder, before it is opened, what YuvConverter gives it by kBt709, so that players show
+/// the right colours, and that it has one thread: pictures of several sessions are coded side by
+/// side.
 void set_bt709(AVCodecContext& coder, Canvas size, int frames_per_second);
 
 /// Sends one frame and takes the one packet that it must yield: an encoder that holds a frame back
