@@ -9,16 +9,18 @@ Place = tuple[float, float]
 
 class Fingers:
     def __init__(self, page: Page):
-        self.session = page.context.new_cdp_session(page)
+        self.page, self.session = page, page.context.new_cdp_session(page)
 
     def say(self, kind: str, places: list[Place]) -> None:
         points = [{"x": x, "y": y, "id": n} for n, (x, y) in enumerate(places)]
         self.session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
 
-    def drag(self, ways: list[tuple[Place, Place]], steps: int = 6) -> None:
-        """Each finger from one place to another, all at once; then they are lifted."""
+    def drag(self, ways: list[tuple[Place, Place]], steps: int = 6, rest_ms: int = 0) -> None:
+        """Each finger from one place to another, all at once; then they are lifted, after so long a rest."""
         self.say("touchStart", [begin for begin, _ in ways])
         for step in range(1, steps + 1):
             part = step / steps
             self.say("touchMove", [(x + part * (to_x - x), y + part * (to_y - y)) for (x, y), (to_x, to_y) in ways])
+        if rest_ms:
+            self.page.wait_for_timeout(rest_ms)
         self.say("touchEnd", [])

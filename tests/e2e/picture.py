@@ -10,6 +10,8 @@ from playwright.sync_api import Page
 from harness import TestStack
 
 SIDE = 128
+#: Mean difference of a channel, of 255, between two renderings of one view with few samples: twice what test_take_away.py has for many.
+ALIKE = 4.0
 
 
 @dataclass(frozen=True)

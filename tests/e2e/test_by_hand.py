@@ -12,13 +12,11 @@ from playwright.sync_api import Locator, Page, expect
 
 from fingers import Fingers
 from harness import TestStack
-from picture import SIDE, difference, facts, wait_for_samples
+from picture import ALIKE, SIDE, difference, facts
 from test_in_picture import middle, open_viewer
 from test_settings import Hands
 from ways import WAYS, Mouse
 
-#: Mean difference of a channel, of 255, between two renderings of one view with few samples (as in test_take_away.py), doubled.
-ALIKE = 4.0
 WINDOWS = {"look": "Materials", "light": "Light", "lens": "Lens and quality", "cuts": "Cuts and slices"}
 RESETS = {"look": "Reset the materials", "light": "Reset the light", "lens": "Reset lens and quality", "cuts": "Remove all cuts and slices"}
 
@@ -310,7 +308,7 @@ def close(way: Mouse, frame: Locator, name: str) -> None:
     expect(frame).to_have_count(0)
 
 
-@pytest.mark.parametrize("name", ["mouse", "keys"])
+@pytest.mark.parametrize("name", ["mouse", "keys", "touch"])
 def test_every_control_changes_the_picture_and_all_is_undone(stack: TestStack, visit, cranium: Path, pictures: Path, name: str):
     page = visit(small=True, touch=name == "touch")
     hands = open_viewer(stack, page, cranium, name, 720, 440)

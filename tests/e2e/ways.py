@@ -50,8 +50,10 @@ class Finger(Mouse):
         slider.tap(position=beside(slider))
 
     def drag(self, begin: tuple[float, float], right: float, down: float) -> None:
+        """As one puts a thing at a place. Lifted while it moves, the finger flicks: Chromium takes the next tap for the flick's end,
+        and gives the page no click of it."""
         x, y = begin
-        Fingers(self.page).drag([(begin, (x + right, y + down))])
+        Fingers(self.page).drag([(begin, (x + right, y + down))], rest_ms=150)
 
 
 class Keys(Mouse):
