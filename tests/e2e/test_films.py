@@ -15,7 +15,7 @@ from harness import TestStack
 from house.ingest_cases.phantom import Series, dataset, markers, stack as slices, write
 from person import Person
 from picture import drag, facts, wait_for_samples
-from test_take_away import chunks
+from test_take_away import chunks, live_answers, wait_for_sessions
 
 
 @pytest.fixture(scope="module")
@@ -48,8 +48,13 @@ def middle(luma: np.ndarray) -> float:
     return float((bright * across).sum() / bright.sum())
 
 
-def sessions(page: Page) -> int:
-    return page.evaluate("fetch('/v1/sessions').then((r) => r.json()).then((s) => s.items.length)")
+def opened_as_bone(stack: TestStack, page: Page, name: str, folder: Path, title: str) -> str:
+    """Somebody's scan on the screen, as bone; its id."""
+    scan = Person.arrives(stack, page, name).has_scan(folder, title)
+    page.goto(f"{stack.url}/view/{scan}")
+    page.get_by_role("button", name="Bone", exact=True).click()
+    wait_for_samples(stack, page, 8, input_seq=1)
+    return scan
 
 
 def taking(page: Page, what: str):
@@ -57,6 +62,12 @@ def taking(page: Page, what: str):
     dialog = page.get_by_role("dialog", name="Take it with you")
     dialog.get_by_label("What", exact=True).select_option(what)
     return dialog
+
+
+def ask_for_ten_frames(dialog) -> None:
+    dialog.get_by_label("Seconds").fill("1")
+    dialog.get_by_label("Frames a second").select_option("10")
+    dialog.get_by_label("Size").select_option("small")
 
 
 def saved_film(page: Page, dialog, to: Path) -> Path:
@@ -86,11 +97,7 @@ def expect_plain_film(film: Path, frames: int, rate: int, seconds: float) -> tup
 
 def test_a_turntable_shows_the_other_side_half_way_round(stack: TestStack, visit, marked: Path, pictures: Path, tmp_path: Path):
     page = visit(small=True)
-    person = Person.arrives(stack, page, "toni")
-    scan = person.has_scan(marked, "Erika Mustermann")
-    page.goto(f"{stack.url}/view/{scan}")
-    page.get_by_role("button", name="Bone", exact=True).click()
-    wait_for_samples(stack, page, 8, input_seq=1)
+    scan = opened_as_bone(stack, page, "toni", marked, "Erika Mustermann")
 
     dialog = taking(page, "turntable")
     page.screenshot(path=pictures / "film-dialog.png")
@@ -98,9 +105,7 @@ def test_a_turntable_shows_the_other_side_half_way_round(stack: TestStack, visit
     dialog.get_by_label("Seconds").fill("61")
     dialog.get_by_role("button", name="Save the video").click()
     expect(dialog.get_by_role("alert")).to_have_text("A video lasts 1 to 60 seconds. Please type a whole number.")
-    dialog.get_by_label("Seconds").fill("1")
-    dialog.get_by_label("Frames a second").select_option("10")
-    dialog.get_by_label("Size").select_option("small")
+    ask_for_ten_frames(dialog)
     expect(dialog.get_by_text("10 pictures are rendered for it.")).to_be_visible()
     film = saved_film(page, dialog, tmp_path)
     page.screenshot(path=pictures / "film-saved.png")
@@ -110,7 +115,7 @@ def test_a_turntable_shows_the_other_side_half_way_round(stack: TestStack, visit
     front, side, back = (middle(frame(film, n, width, height)) for n in (0, 2, 5))
     # The patient's left is at the viewer's right, and after half a turn at the viewer's left.
     assert front > 0.1 and back < -0.1 and abs(side) < abs(front), (front, side, back)
-    stack.wait_until(lambda: page.wait_for_timeout(50) or sessions(page) == 1, what="the session given back")
+    wait_for_sessions(stack, page, 1)
     page.get_by_role("button", name="Hide this").click()
 
     # Given up: nothing is saved, the live picture answers on the way, and nothing of it is left.
@@ -122,22 +127,16 @@ def test_a_turntable_shows_the_other_side_half_way_round(stack: TestStack, visit
     line = page.locator("[data-shot=rendering]")
     expect(line.locator("progress[value]")).to_be_visible()
     page.screenshot(path=pictures / "film-rendering.png")
-    before = facts(page)
-    page.keyboard.press("ArrowRight")
-    stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq > before.input_seq, what="the live picture")
+    live_answers(stack, page)
     line.get_by_role("button", name="Cancel").click()
     expect(page.get_by_text("No video was saved.")).to_be_visible()
-    stack.wait_until(lambda: page.wait_for_timeout(50) or sessions(page) == 1, what="the session given back")
+    wait_for_sessions(stack, page, 1)
     assert not [*Path(stack.data_dir).rglob("*.mp4")]
 
 
 def test_a_tour_goes_from_one_saved_preset_to_the_next(stack: TestStack, visit, marked: Path, pictures: Path, tmp_path: Path):
     page = visit(small=True)
-    person = Person.arrives(stack, page, "rudi")
-    scan = person.has_scan(marked, "Tour")
-    page.goto(f"{stack.url}/view/{scan}")
-    page.get_by_role("button", name="Bone", exact=True).click()
-    wait_for_samples(stack, page, 4, input_seq=1)
+    opened_as_bone(stack, page, "rudi", marked, "Tour")
     dialog = taking(page, "tour")
     expect(dialog.get_by_text("No preset of this scan is saved yet.")).to_be_visible()
     dialog.get_by_role("button", name="Save the video").click()
@@ -149,15 +148,13 @@ def test_a_tour_goes_from_one_saved_preset_to_the_next(stack: TestStack, visit, 
         page.get_by_role("button", name="Save the picture as it is now").click()
         expect(page.get_by_text(f"Saved as {name}.")).to_be_visible()
         page.keyboard.press("Escape")
-        drag(page, 110, 0)
         before = facts(page).input_seq
-        stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq >= before, what="another view")
+        drag(page, 110, 0)
+        wait_for_samples(stack, page, 4, input_seq=before + 1)
     dialog = taking(page, "tour")
     page.screenshot(path=pictures / "tour-dialog.png")
     dialog.get_by_label("What you see now").uncheck()
-    dialog.get_by_label("Seconds").fill("1")
-    dialog.get_by_label("Frames a second").select_option("10")
-    dialog.get_by_label("Size").select_option("small")
+    ask_for_ten_frames(dialog)
     film = saved_film(page, dialog, tmp_path)
     width, height = expect_plain_film(film, frames=10, rate=10, seconds=1)
     seen = [middle(frame(film, n, width, height)) for n in range(10)]

@@ -40,6 +40,21 @@ def shrunk(page: Page, png: bytes) -> tuple[int, int, bytes]:
     return width, height, base64.b64decode(text)
 
 
+def sessions(page: Page) -> int:
+    return page.evaluate("fetch('/v1/sessions').then((r) => r.json()).then((s) => s.items.length)")
+
+
+def wait_for_sessions(stack: TestStack, page: Page, count: int) -> None:
+    stack.wait_until(lambda: page.wait_for_timeout(50) or sessions(page) == count, what=f"{count} sessions, no more and no less")
+
+
+def live_answers(stack: TestStack, page: Page) -> None:
+    """A key turns the picture on the screen, whatever else is rendered."""
+    before = facts(page)
+    page.keyboard.press("ArrowRight")
+    stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq > before.input_seq, what="the live picture")
+
+
 def test_a_picture_is_rendered_to_be_saved_while_the_live_one_goes_on(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(small=True)
     person = Person.arrives(stack, page, "tanja")
@@ -49,10 +64,7 @@ def test_a_picture_is_rendered_to_be_saved_while_the_live_one_goes_on(stack: Tes
     drag(page, 60, 0)
     stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq > 0, what="another view")
 
-    def sessions() -> int:
-        return page.evaluate("fetch('/v1/sessions').then((r) => r.json()).then((s) => s.items.length)")
-
-    assert sessions() == 1
+    assert sessions(page) == 1
     page.keyboard.press("s")
     dialog = page.get_by_role("dialog", name="Take it with you")
     expect(dialog).to_be_visible()
@@ -73,9 +85,7 @@ def test_a_picture_is_rendered_to_be_saved_while_the_live_one_goes_on(stack: Tes
         dialog.get_by_role("button", name="Save the picture").click()
         expect(page.locator("[data-shot=rendering]")).to_be_visible()
         page.screenshot(path=pictures / "take-rendering.png")
-        before = facts(page)
-        page.keyboard.press("ArrowRight")  # the live picture answers meanwhile
-        stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq > before.input_seq, what="the live picture")
+        live_answers(stack, page)  # meanwhile
         page.keyboard.press("Control+z")
     assert download.value.suggested_filename == "diaphane.png"
     png = Path(download.value.path()).read_bytes()
@@ -88,7 +98,7 @@ def test_a_picture_is_rendered_to_be_saved_while_the_live_one_goes_on(stack: Tes
     live = pixels(page)
     assert (width, height) == (360, 240)
     assert spread(taken) > 5 and difference(taken, live) < ALIKE, (spread(taken), difference(taken, live))
-    stack.wait_until(lambda: page.wait_for_timeout(50) or sessions() == 1, what="the session given back")
+    wait_for_sessions(stack, page, 1)
     page.get_by_role("button", name="Hide this").click()
 
     # Given up, nothing is saved, and the session is given back.
@@ -98,10 +108,10 @@ def test_a_picture_is_rendered_to_be_saved_while_the_live_one_goes_on(stack: Tes
     dialog.get_by_role("button", name="Save the picture").click()
     line = page.locator("[data-shot=rendering]")
     expect(line).to_be_visible()
-    stack.wait_until(lambda: page.wait_for_timeout(50) or sessions() == 2, what="a session more")
+    wait_for_sessions(stack, page, 2)
     line.get_by_role("button", name="Cancel").click()
     expect(page.get_by_text("No picture was saved.")).to_be_visible()
-    stack.wait_until(lambda: page.wait_for_timeout(50) or sessions() == 1, what="the session given back")
+    wait_for_sessions(stack, page, 1)
 
 
 def test_a_link_shows_the_same_to_whoever_may_see_it_and_to_nobody_else(stack: TestStack, visit, cranium: Path, pictures: Path):
