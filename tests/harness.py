@@ -22,6 +22,21 @@ from house.stack import Stack  # noqa: E402
 T = TypeVar("T")
 
 
+def mails_in(folder: Path, to: str | None = None) -> list[EmailMessage]:
+    """The mails of a folder, oldest first; only those to `to` when it is given."""
+    files = [f for f in folder.iterdir() if f.suffix == ".eml" and not f.name.startswith(".")]
+    files.sort(key=lambda f: (f.stat().st_mtime_ns, f.name))
+    mails = [email.message_from_bytes(f.read_bytes(), policy=email.policy.default) for f in files]
+    return [m for m in mails if to is None or to in str(m["To"])]
+
+
+def metrics_at(port: int) -> str:
+    """What an admin port tells Prometheus."""
+    import httpx
+
+    return httpx.get(f"http://127.0.0.1:{port}/metrics", trust_env=False).raise_for_status().text
+
+
 class TestStack:
     """The programs of one data directory and the ways in."""
 
@@ -84,10 +99,10 @@ class TestStack:
 
     def mails(self, to: str | None = None) -> list[EmailMessage]:
         """The mails that were sent, oldest first; only those to `to` when it is given."""
-        files = [f for f in (self.data_dir / "mail").iterdir() if f.suffix == ".eml" and not f.name.startswith(".")]
-        files.sort(key=lambda f: (f.stat().st_mtime_ns, f.name))
-        mails = [email.message_from_bytes(f.read_bytes(), policy=email.policy.default) for f in files]
-        return [m for m in mails if to is None or to in str(m["To"])]
+        return mails_in(self.data_dir / "mail", to)
+
+    def metrics(self, program: str) -> str:
+        return metrics_at(self.ports[f"{program}-admin"])
 
     @property
     def sample_token_file(self) -> Path:
@@ -154,4 +169,4 @@ class StackHouse:
         shutil.rmtree(self.copies_, ignore_errors=True)
 
 
-__all__ = ["REPO", "StackHouse", "TestStack", "datadir"]
+__all__ = ["REPO", "StackHouse", "TestStack", "datadir", "mails_in", "metrics_at"]

@@ -10,6 +10,7 @@ import uuid
 from pathlib import Path
 
 import numpy
+from api_client import make_ready
 
 SIDE = 32
 # Voxels that nothing else makes: eight in a row, in what is cut away.
@@ -45,6 +46,17 @@ def store(stack, data_set: str) -> str:
     for path in (folder, *folder.iterdir()):
         stack.stack.run_as.own(path)
     return header["contentHash"]
+
+
+def marked_scan(stack, owner) -> tuple[str, str]:
+    """A ready data set of somebody with the mark in it, and the hash of its volume."""
+    stack.stop("ingestd")  # it would read the upload that stands for one
+    data_set = owner.upload(b"x" * 100)["id"]
+    make_ready(stack, data_set)
+    stack.psql("INSERT INTO disposals (kind, id) VALUES ('upload', %s)", data_set)
+    stack.start("ingestd")
+    stack.wait_ready("ingestd")
+    return data_set, store(stack, data_set)
 
 
 def ready_data_set(stack) -> tuple[str, str]:

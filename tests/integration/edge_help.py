@@ -8,7 +8,6 @@ import re
 import socket
 import threading
 import time
-import urllib.request
 from collections import Counter
 from pathlib import Path
 
@@ -57,10 +56,8 @@ def resident_mb(pid: int) -> float:
 
 def requests_of(stack) -> Counter[str]:
     """How many requests have reached the API, by operation ("none": those that are of no operation)."""
-    with urllib.request.urlopen(f"http://127.0.0.1:{stack.ports['api-admin']}/metrics") as answer:
-        text = answer.read().decode()
     counted: Counter[str] = Counter()
-    for name, value in re.findall(r'requests_total\{operation="(\w+)"[^}]*\} (\S+)', text):
+    for name, value in re.findall(r'requests_total\{operation="(\w+)"[^}]*\} (\S+)', stack.metrics("api")):
         counted[name] += int(float(value))
     return counted
 

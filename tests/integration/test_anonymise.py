@@ -6,8 +6,8 @@ import uuid
 
 import numpy
 import pytest
-from api_client import make_ready, person, problem
-from cut_help import KEEP, expected_left, hash_of, holders_of_mark, store
+from api_client import person, problem
+from cut_help import KEEP, expected_left, hash_of, holders_of_mark, marked_scan
 from jpeg_pixels import jpeg_pixels
 from stream_help import open_session
 
@@ -31,14 +31,7 @@ def owner(running):
 @pytest.fixture
 def scan(running, owner) -> tuple[str, str]:
     """A ready data set with the mark in it, and its volume's hash."""
-    running.stop("ingestd")  # it would read the upload that stands for one
-    data_set = owner.upload(b"x" * 100)["id"]
-    make_ready(running, data_set)
-    running.psql("INSERT INTO disposals (kind, id) VALUES ('upload', %s)", data_set)
-    running.start("ingestd")
-    running.wait_ready("ingestd")
-    content = store(running, data_set)
-    return data_set, content
+    return marked_scan(running, owner)
 
 
 def ask(owner, data_set: str, content: str, keep: dict = KEEP, confirm: str = CONFIRMATION):

@@ -8,7 +8,6 @@ import subprocess
 import tarfile
 import time
 
-import httpx
 import pytest
 from hostile.canary_scan import CanaryScan
 from ingest_help import enqueue, nothing_left, volume_path, wait_end
@@ -60,8 +59,7 @@ def daemon(stack_house):
 
 
 def metric(stack, result: str) -> float:
-    text = httpx.get(f"http://127.0.0.1:{stack.ports['ingestd-admin']}/metrics").text
-    return next(float(line.split()[-1]) for line in text.splitlines() if line.startswith(f'diaphane_ingest_antivirus_total{{result="{result}"}}'))
+    return next(float(line.split()[-1]) for line in stack.metrics("ingestd").splitlines() if line.startswith(f'diaphane_ingest_antivirus_total{{result="{result}"}}'))
 
 
 def with_file(upload: bytes, data: bytes) -> bytes:

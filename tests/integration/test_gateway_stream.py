@@ -6,7 +6,6 @@ import os
 import signal
 import threading
 import time
-import urllib.request
 import uuid
 
 import pytest
@@ -150,8 +149,7 @@ def test_a_thumbnail_is_rendered_by_a_worker_and_then_cached(running, one, ball)
 def test_the_gateway_counts(running, session):
     viewer = Viewer(running.url, session[1])
     viewer.frame()
-    with urllib.request.urlopen(f"http://127.0.0.1:{running.ports['api-admin']}/metrics") as answer:
-        text = answer.read().decode()
+    text = running.metrics("api")
     assert "diaphane_stream_attached 1" in text
     assert 'diaphane_stream_refusals_total{reason="ticket"}' in text
     viewer.leave()

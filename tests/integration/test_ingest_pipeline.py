@@ -7,7 +7,6 @@ import json
 import struct
 import subprocess
 import time
-import urllib.request
 
 import pytest
 from ingest_help import (BIRTH_DATE, CANARY, bundle, cranium, enqueue, hiding_places, nothing_left, state, tool,
@@ -29,11 +28,6 @@ def ingest(stack_house):
 @pytest.fixture(scope="module")
 def head(ingest, tmp_path_factory) -> list[bytes]:
     return cranium(ingest, tmp_path_factory.mktemp("cranium"))
-
-
-def metrics(stack) -> str:
-    with urllib.request.urlopen(f"http://127.0.0.1:{stack.ports['ingestd-admin']}/metrics") as answer:
-        return answer.read().decode()
 
 
 def refusal(stack, data: bytes) -> tuple[str, str]:
@@ -65,7 +59,7 @@ def test_an_uploaded_series_becomes_a_volume_and_its_original_is_gone(ingest, he
     behind = struct.unpack_from("<256h", voxels, 2 * 256 * (256 * 35 + 10))
     assert max(behind) < -300, "before the nose is air"
     assert ingest.psql("SELECT count(*) FROM disposals WHERE id = %s", data_set) == [(0,)]
-    text = metrics(ingest)
+    text = ingest.metrics("ingestd")
     assert 'diaphane_ingest_jobs_total{result="ready"} ' in text and "diaphane_ingest_build_seconds_count" in text
 
 

@@ -6,11 +6,12 @@ import re
 import shutil
 from pathlib import Path
 
-import httpx
 import pytest
-from api_client import make_ready, person
-from cut_help import KEEP, MARK, store
+from api_client import Person, person
+from cut_help import KEEP, MARK, marked_scan
 from stream_help import OtherWorker, Viewer, new_ticket, open_session, store_ball
+
+from harness import metrics_at
 
 
 @pytest.fixture(scope="module")
@@ -26,19 +27,24 @@ def copies_of(folder: Path, data_set: str) -> list[Path]:
     return sorted(folder.glob(f"{data_set}.*.sealed"))
 
 
-def counted(port: int, what: str) -> int:
-    text = httpx.get(f"http://127.0.0.1:{port}/metrics", trust_env=False).text
-    found = re.search(rf'^diaphane_renderd_volume_copies_total{{what="{what}"}} (\d+)', text, re.MULTILINE)
-    return int(found.group(1)) if found else 0
-
-
-def test_a_worker_that_begins_reads_the_copy_and_a_damaged_one_is_made_again(node):
-    stack, folder = node
+def copied(stack, folder: Path) -> tuple[Person, str, str]:
+    """Somebody who looks at a scan that there is a copy of, the scan, and the session."""
     somebody = person(stack)
     data_set = store_ball(stack, somebody)
     session, url = open_session(somebody, data_set)
     Viewer(stack.url, url).frame()
     stack.wait_until(lambda: copies_of(folder, data_set), what="the copy")
+    return somebody, data_set, session
+
+
+def counted(port: int, what: str) -> int:
+    found = re.search(rf'^diaphane_renderd_volume_copies_total{{what="{what}"}} (\d+)', metrics_at(port), re.MULTILINE)
+    return int(found.group(1)) if found else 0
+
+
+def test_a_worker_that_begins_reads_the_copy_and_a_damaged_one_is_made_again(node):
+    stack, folder = node
+    somebody, data_set, session = copied(stack, folder)
     admin = stack.ports["renderd-admin"]
     stack.wait_until(lambda: counted(admin, "kept") == 1 and counted(admin, "miss") == 1, what="the count")
 
@@ -68,11 +74,7 @@ def test_a_worker_that_begins_reads_the_copy_and_a_damaged_one_is_made_again(nod
 
 def test_what_is_deleted_has_no_copy(node):
     stack, folder = node
-    somebody = person(stack)
-    data_set = store_ball(stack, somebody)
-    _, url = open_session(somebody, data_set)
-    Viewer(stack.url, url).frame()
-    stack.wait_until(lambda: copies_of(folder, data_set), what="the copy")
+    somebody, data_set, _ = copied(stack, folder)
     assert somebody.http.delete(f"/v1/data-sets/{data_set}").status_code == 204
     stack.wait_until(lambda: not copies_of(folder, data_set), what="the copy's end")
 
@@ -80,13 +82,7 @@ def test_what_is_deleted_has_no_copy(node):
 def test_what_is_made_anonymous_has_no_older_copy(node):
     stack, folder = node
     somebody = person(stack)
-    stack.stop("ingestd")  # it would read the upload that stands for one
-    data_set = somebody.upload(b"x" * 100)["id"]
-    make_ready(stack, data_set)
-    stack.psql("INSERT INTO disposals (kind, id) VALUES ('upload', %s)", data_set)
-    stack.start("ingestd")
-    stack.wait_ready("ingestd")
-    content = store(stack, data_set)
+    data_set, content = marked_scan(stack, somebody)
     _, url = open_session(somebody, data_set)
     Viewer(stack.url, url).frame()
     old, = stack.wait_until(lambda: copies_of(folder, data_set), what="the copy")
