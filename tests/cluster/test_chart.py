@@ -260,7 +260,6 @@ def ready(plane, namespace: str) -> dict[str, int]:
     return {one["metadata"]["name"]: one["status"].get("readyReplicas", 0) for one in items}
 
 
-@pytest.mark.chosen
 def test_installed_upgraded_rolled_back_and_taken_away(plane, installed, tmp_path):
     assert ready(plane, installed) == {"it-diaphane-api": 2, "it-diaphane-ingest": 1, "it-diaphane-operator": 2}
     fleet = plane.kubectl("get", "rf/it-diaphane", "-n", installed, "-o", "json").json

@@ -26,7 +26,6 @@ def cluster(plane, namespace, request):
     shutil.rmtree(folder, ignore_errors=True)
 
 
-@pytest.mark.chosen
 def test_a_fleet_becomes_workers_and_pods_each_on_its_gpu(cluster):
     nodes = cluster.nodes(2, gpus=2)
     operator = cluster.operator()
@@ -69,7 +68,6 @@ def test_more_than_the_nodes_have_is_said_and_never_over_committed(cluster):
     assert cluster.over_committed() == [] and len(cluster.workers()) == 2
 
 
-@pytest.mark.chosen
 def test_a_cordoned_node_is_drained_and_no_session_is_cut(cluster):
     first, second = cluster.nodes(2, gpus=1)
     cluster.operator()
