@@ -1,5 +1,6 @@
 """The control plane, once for all tests of a run: `plane` with the custom resources and two nodes of kwok with 8 GPUs each, `namespace` an empty
-one of the test's own, with Pod Security "restricted" enforced. A failing test shows the ends of the programs' logs."""
+one of the test's own, with Pod Security "restricted" enforced, `cluster` what an operator needs in it. A failing test shows the ends of the
+programs' logs."""
 
 from __future__ import annotations
 
@@ -13,9 +14,8 @@ from pathlib import Path
 import pytest
 from plane import Plane
 
-from house import kubernetes, paths, users
+from house import kubernetes, logfiles, users
 
-CHART = paths.REPO / "helm" / "diaphane"
 _numbers = itertools.count(1)
 
 
@@ -28,8 +28,7 @@ def plane():
     run_as.own(folder)
     made = Plane(folder, run_as).start()
     try:
-        made.kubectl("apply", "--server-side", "-f", str(CHART / "crds"))
-        made.kubectl("wait", "--for=condition=Established", "crd", "-l", "app.kubernetes.io/part-of=diaphane", "--timeout=60s")
+        made.define_resources()
         made.add_nodes(2, gpus=8)
         yield made
     finally:
@@ -46,6 +45,21 @@ def namespace(plane: Plane):
     wait_for(lambda: plane.kubectl("get", "sa", "default", "-n", name, check=False).code == 0, "the namespace's account")
     yield name
     plane.kubectl("delete", "namespace", name, "--wait=false", check=False)
+
+
+@pytest.fixture
+def cluster(plane: Plane, namespace: str, request):
+    """What an operator needs, in the test's namespace; the ends of its operators' logs with a failure."""
+    from operator_help import Cluster     # which takes wait_for from here
+
+    folder = Path(tempfile.mkdtemp(prefix="diaphane-operator-"))
+    plane.run_as.own(folder)
+    made = Cluster(plane, namespace, folder)
+    yield made
+    for one in made.operators:
+        request.node.add_report_section("teardown", one.name, logfiles.tail(one.log, 40))
+    made.close()
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 def wait_for(condition, what: str, timeout: float = 120):

@@ -23,7 +23,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
 import httpx  # noqa: E402
-from house import kubernetes, logfiles, ports, users  # noqa: E402
+from house import kubernetes, logfiles, paths, ports, users  # noqa: E402
 from house.processes import Identity, end  # noqa: E402
 from house.stack import WITHOUT_CORE_FILES  # noqa: E402
 
@@ -181,6 +181,11 @@ class Plane:
         for name in names:
             self.api.post("/api/v1/nodes", json=node(name, gpus, labels, kwok)).raise_for_status()
         return names
+
+    def define_resources(self) -> None:
+        """The chart's custom resources, taken and ready."""
+        self.kubectl("apply", "--server-side", "-f", str(paths.REPO / "helm" / "diaphane" / "crds"))
+        self.kubectl("wait", "--for=condition=Established", "crd", "-l", "app.kubernetes.io/part-of=diaphane", "--timeout=60s")
 
     # Inside
 

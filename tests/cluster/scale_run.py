@@ -19,7 +19,7 @@ from pathlib import Path
 
 import httpx
 import redis as redis_client
-from conftest import CHART, wait_for
+from conftest import wait_for
 from operator_help import Cluster, Redis
 from plane import Plane
 
@@ -217,8 +217,7 @@ def cluster(nodes: int, gpus: int = 8):
     plane = Plane(folder, run_as, flags=_FLAGS).start()
     made = None
     try:
-        plane.kubectl("apply", "--server-side", "-f", str(CHART / "crds"))
-        plane.kubectl("wait", "--for=condition=Established", "crd", "-l", "app.kubernetes.io/part-of=diaphane", "--timeout=60s")
+        plane.define_resources()
         plane.apply({"apiVersion": "v1", "kind": "Namespace", "metadata": {"name": "scale"}})
         own = folder / "operator"
         own.mkdir()

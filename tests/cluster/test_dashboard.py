@@ -2,25 +2,13 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
-from pathlib import Path
-
 from conftest import wait_for
 from dashboard_help import unanswered
-from operator_help import Cluster
 
 
-def test_every_query_about_the_operator_is_answered(plane, namespace):
-    folder = Path(tempfile.mkdtemp(prefix="diaphane-dashboard-"))
-    plane.run_as.own(folder)
-    cluster = Cluster(plane, namespace, folder)
-    try:
-        cluster.nodes(1)
-        operator = cluster.operator()
-        cluster.fleet(replicas=1)
-        cluster.settled(1)
-        wait_for(lambda: not unanswered(("diaphane_operator_",), operator.metrics()), "an answer to every query")
-    finally:
-        cluster.close()
-        shutil.rmtree(folder, ignore_errors=True)
+def test_every_query_about_the_operator_is_answered(cluster):
+    cluster.nodes(1)
+    operator = cluster.operator()
+    cluster.fleet(replicas=1)
+    cluster.settled(1)
+    wait_for(lambda: not unanswered(("diaphane_operator_",), operator.metrics()), "an answer to every query")

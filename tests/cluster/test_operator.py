@@ -2,28 +2,10 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 import time
-from pathlib import Path
 
-import pytest
 from conftest import wait_for
-from operator_help import GROUP, Cluster
-
-from house import logfiles
-
-
-@pytest.fixture
-def cluster(plane, namespace, request):
-    folder = Path(tempfile.mkdtemp(prefix="diaphane-operator-"))
-    plane.run_as.own(folder)
-    made = Cluster(plane, namespace, folder)
-    yield made
-    for one in made.operators:
-        request.node.add_report_section("teardown", one.name, logfiles.tail(one.log, 40))
-    made.close()
-    shutil.rmtree(folder, ignore_errors=True)
+from operator_help import GROUP
 
 
 def test_a_fleet_becomes_workers_and_pods_each_on_its_gpu(cluster):

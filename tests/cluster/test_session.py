@@ -12,7 +12,6 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import CHART
 from node_agent import NodeAgent
 from plane import ORDER, Plane
 from playwright.sync_api import expect, sync_playwright
@@ -46,8 +45,7 @@ def service(stack_house, stack_factory, request):
     agents: list[NodeAgent] = []
     made = None
     try:
-        plane.kubectl("apply", "--server-side", "-f", str(CHART / "crds"))
-        plane.kubectl("wait", "--for=condition=Established", "crd", "-l", "app.kubernetes.io/part-of=diaphane", "--timeout=60s")
+        plane.define_resources()
         plane.apply({"apiVersion": "v1", "kind": "Namespace", "metadata": {"name": NAMESPACE, "labels": {"pod-security.kubernetes.io/enforce": "restricted"}}})
         for name in ("node-a", "node-b"):
             agents.append(NodeAgent(plane, name, folder / name, stack_house.layout(), gpus=2, labels={"pool": "real"}).start())

@@ -2,25 +2,10 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 import time
-from pathlib import Path
 
-import pytest
 from conftest import wait_for
-from operator_help import Cluster
 from stuck_wire import StuckWire
-
-
-@pytest.fixture
-def cluster(plane, namespace):
-    folder = Path(tempfile.mkdtemp(prefix="diaphane-silence-"))
-    plane.run_as.own(folder)
-    made = Cluster(plane, namespace, folder)
-    yield made
-    made.close()
-    shutil.rmtree(folder, ignore_errors=True)
 
 
 def test_a_watch_that_has_died_without_a_word_is_noticed_and_goes_on(cluster, record_property):
