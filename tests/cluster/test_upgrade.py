@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import shutil
 import subprocess
-import tempfile
 import threading
 import time
 import uuid
@@ -16,8 +14,9 @@ import pytest
 import yaml
 from chart_help import CHART, SECRET, values_file
 from conftest import wait_for
-from operator_help import BUILD, GROUP, Cluster
+from operator_help import BUILD, GROUP
 from plane import node
+from pod_contents import Places, data_of, environment
 from test_chart import prepare
 
 from house import paths
@@ -28,14 +27,16 @@ MIGRATIONS = paths.REPO / "migrations"
 
 
 def older_chart(folder: Path) -> Path:
-    """The version before: another number and image, a worker without the setting that came since, an alarm less."""
+    """The version before: another number and image, and a worker without one of its settings."""
     chart = folder / "older"
     shutil.copytree(CHART, chart, symlinks=False)
     about = yaml.safe_load((chart / "Chart.yaml").read_text(encoding="utf-8"))
     (chart / "Chart.yaml").write_text(yaml.safe_dump({**about, "version": OLD, "appVersion": OLD}), encoding="utf-8")
     template = chart / "templates" / "fleet.yaml"
-    lines = [line for line in template.read_text(encoding="utf-8").splitlines() if "DIAPHANE_KERNEL_CACHE" not in line]
-    template.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    lines = template.read_text(encoding="utf-8").splitlines()
+    without = [line for line in lines if "DIAPHANE_KERNEL_CACHE" not in line]
+    assert len(without) == len(lines) - 1
+    template.write_text("\n".join(without) + "\n", encoding="utf-8")
     return chart
 
 
@@ -79,7 +80,7 @@ class Hooks:
         self.plane.api.post(f"{path}/{name}/binding", json={"apiVersion": "v1", "kind": "Binding", "metadata": {"name": name},
                                                             "target": {"apiVersion": "v1", "kind": "Node", "name": self.node}}).raise_for_status()
         container = waiting[0]["spec"]["containers"][0]
-        done = self._run(container)
+        done = self._run(waiting[0], container)
         phase = "Succeeded" if done.returncode == 0 else "Failed"
         self.plane.api.patch(f"{path}/{name}/status", json={"status": {"phase": phase}},
                              headers={"Content-Type": "application/merge-patch+json"}).raise_for_status()
@@ -87,12 +88,11 @@ class Hooks:
         self.ran.append((container["image"], done.stdout))
         return True
 
-    def _run(self, container: dict) -> subprocess.CompletedProcess:
-        env = {}
-        for one in container["env"]:
-            wanted = one["valueFrom"]["secretKeyRef"]
-            secret = self.plane.api.get(f"/api/v1/namespaces/{self.namespace}/secrets/{wanted['name']}").json()
-            env[one["name"]] = base64.b64decode(secret["data"][wanted["key"]]).decode()
+    def _data(self, kind: str, name: str) -> dict[str, bytes]:
+        return data_of(self.plane.api.get(f"/api/v1/namespaces/{self.namespace}/{kind}/{name}").raise_for_status().json())
+
+    def _run(self, pod: dict, container: dict) -> subprocess.CompletedProcess:
+        env = environment(pod, container, Places("127.0.0.1"), lambda name: self._data("secrets", name), lambda name: self._data("configmaps", name))
         migrations = self.migrations.get(container["image"].partition(":")[2], MIGRATIONS)
         words = [word.replace("/opt/diaphane/bin", str(BUILD / "bin")).replace("/opt/diaphane/migrations", str(migrations)) for word in container["command"]]
         return subprocess.run(words, env=env, capture_output=True, text=True, timeout=60)
@@ -106,16 +106,6 @@ def hooks(plane, namespace, tmp_path):
     made = Hooks(plane, namespace, tmp_path)
     yield made
     made.close()
-
-
-@pytest.fixture
-def cluster(plane, namespace):
-    folder = Path(tempfile.mkdtemp(prefix="diaphane-upgrade-"))
-    plane.run_as.own(folder)
-    made = Cluster(plane, namespace, folder)
-    yield made
-    made.close()
-    shutil.rmtree(folder, ignore_errors=True)
 
 
 def schema(stack) -> list[str]:
