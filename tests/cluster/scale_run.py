@@ -4,11 +4,11 @@ Used by `./diaphane bench cluster`. Nodes and pods are kwok's; of each pod rende
 from __future__ import annotations
 
 import json
+import os
 import random
 import shutil
 import socket
 import statistics
-import subprocess
 import tempfile
 import threading
 import time
@@ -24,6 +24,8 @@ from operator_help import Cluster, Redis
 from plane import Plane
 
 from house import paths, users
+from house.bench import percentile
+from house.benches.soak import held
 
 PLACE = paths.REPO / "api" / "redis" / "place.lua"
 HEARTBEAT = paths.REPO / "renderd" / "serve" / "heartbeat.lua"
@@ -95,9 +97,9 @@ class ManyBeats:
         self.thread.join()
 
 
-def percentile(values: list[float], share: float) -> float:
-    ordered = sorted(values)
-    return ordered[min(len(ordered) - 1, int(share * len(ordered)))]
+def asked(session: str) -> list:
+    """What place.lua is asked for one session of somebody."""
+    return [session, str(uuid.uuid4()), str(uuid.uuid4()), uuid.uuid4().hex * 2, "1", 15000, 30, 86400, 8, 64, "", "", "", "", "skull"]
 
 
 # Sessions on warm workers: no Kubernetes in it
@@ -139,8 +141,8 @@ def place(workers: int, rate: float, seconds: float, slots: int = 16, filled: fl
         refused: list[str] = []
 
         def ask(due: float) -> None:
-            session, person, data = (str(uuid.uuid4()) for _ in range(3))
-            answer = script(args=[session, person, data, uuid.uuid4().hex * 2, "1", 15000, 30, 86400, 8, 64, "", "", "", "", "skull"])
+            session = str(uuid.uuid4())
+            answer = script(args=asked(session))
             times.append(time.monotonic() - due)
             if answer[0] == "placed":
                 redis.client.zadd(f"diaphane:worker:{answer[1]}:sessions", {session: until})
@@ -159,10 +161,10 @@ def place(workers: int, rate: float, seconds: float, slots: int = 16, filled: fl
         for name in names:
             pipe.zcard(f"diaphane:worker:{name}:sessions")
         counts = pipe.execute()
-        return {"workers": workers, "asked": len(times), "p50_ms": 1e3 * percentile(times, 0.5), "p99_ms": 1e3 * percentile(times, 0.99),
+        return {"workers": workers, "asked": len(times), "p50_ms": 1e3 * percentile(times, 50), "p99_ms": 1e3 * percentile(times, 99),
                 "refused": len(refused), "over_committed": sum(count > slots for count in counts), "sessions": sum(counts),
                 "most": max(counts), "least": min(counts), "spread": statistics.pstdev(counts) / statistics.mean(counts),
-                "beats_s": statistics.median(beats.rounds), "look_p50_ms": 1e3 * percentile(looks, 0.5)}
+                "beats_s": statistics.median(beats.rounds), "look_p50_ms": 1e3 * percentile(looks, 50)}
     finally:
         beats.stop()
         redis.stop()
@@ -232,14 +234,9 @@ def cluster(nodes: int, gpus: int = 8):
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def rss_mb(pid: int) -> float:
-    line = next(one for one in Path(f"/proc/{pid}/status").read_text(encoding="ascii").splitlines() if one.startswith("VmRSS"))
-    return int(line.split()[1]) / 1024
-
-
 def cpu_s(pid: int) -> float:
     words = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
-    return (int(words[11]) + int(words[12])) / 100
+    return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def fill(nodes: int, most_s: float, idle_s: float) -> dict:
@@ -262,7 +259,7 @@ def fill(nodes: int, most_s: float, idle_s: float) -> dict:
         spent = {name: cpu_s(pid) for name, pid in pids.items()}
         over = made.over_committed()
         out = {"nodes": nodes, "wanted": wanted, "ready": reached, "fill_s": took, "over_committed_nodes": len(over), "steps": steps[::10],
-               "cpu_filling_s": {name: round(value, 1) for name, value in spent.items()}, "rss_filled_mb": rss_mb(pids["operator"])}
+               "cpu_filling_s": {name: round(value, 1) for name, value in spent.items()}, "rss_filled_mb": held(pids["operator"])["memory"]}
         if reached < wanted:
             # As many as there are is what it has from here on.
             made.plane.kubectl("scale", "rf/skull", f"--replicas={len(made.many.words)}", "-n", made.namespace)
@@ -270,7 +267,7 @@ def fill(nodes: int, most_s: float, idle_s: float) -> dict:
         before, at = cpu_s(pids["operator"]), time.monotonic()
         time.sleep(idle_s)
         out["idle_cpu_share"] = (cpu_s(pids["operator"]) - before) / (time.monotonic() - at)
-        out["rss_idle_mb"] = rss_mb(pids["operator"])
+        out["rss_idle_mb"] = held(pids["operator"])["memory"]
         out["beats_s"] = statistics.median(made.many.rounds[-20:])
         out |= restart(made, operator)
         out["over_committed_nodes"] = max(out["over_committed_nodes"], len(made.over_committed()))
@@ -287,7 +284,7 @@ def restart(made: ScaleCluster, operator) -> dict:
     listed = time.monotonic() - began
     path = f"/api/v1/namespaces/{made.namespace}/pods/{name}"
     wait_for(lambda: made.plane.api.get(path).status_code == 200, "the pod that is missing", timeout=300)
-    return {"listed_s": listed, "acting_s": time.monotonic() - began, "rss_restarted_mb": rss_mb(second.process.pid)}
+    return {"listed_s": listed, "acting_s": time.monotonic() - began, "rss_restarted_mb": held(second.process.pid)["memory"]}
 
 
 def cold(times: int) -> dict:
@@ -302,7 +299,7 @@ def cold(times: int) -> dict:
         until = int(time.time() * 1000) + 3_600_000
 
         def ask(session: str) -> str:
-            answer = script(args=[session, str(uuid.uuid4()), str(uuid.uuid4()), uuid.uuid4().hex * 2, "1", 15000, 30, 86400, 8, 64, "", "", "", "", "skull"])
+            answer = script(args=asked(session))
             return answer[1] if answer[0] == "placed" else ""
         for _ in range(times):
             session = str(uuid.uuid4())
@@ -313,4 +310,4 @@ def cold(times: int) -> dict:
             worker = wait_for(lambda: ask(session), "a place", timeout=120)
             took.append(time.monotonic() - began)
             client.zadd(f"diaphane:worker:{worker}:sessions", {session: until})
-        return {"times": times, "p50_s": percentile(took, 0.5), "p99_s": percentile(took, 0.99), "over_committed_nodes": len(made.over_committed())}
+        return {"times": times, "p50_s": percentile(took, 50), "p99_s": percentile(took, 99), "over_committed_nodes": len(made.over_committed())}
