@@ -54,6 +54,13 @@ def values_file(folder: Path, *parts: dict) -> str:
     return str(path)
 
 
+def stored(namespace: str, claim: str, place: str = "/nowhere") -> dict:
+    """A volume for a claim, as a storage class would make it: here nobody does."""
+    return {"apiVersion": "v1", "kind": "PersistentVolume", "metadata": {"name": f"{namespace}-{claim}"}, "spec": {
+        "capacity": {"storage": "1Ti"}, "accessModes": ["ReadWriteMany", "ReadWriteOnce"], "hostPath": {"path": place}, "storageClassName": "",
+        "claimRef": {"namespace": namespace, "name": claim}}}
+
+
 def rendered(plane, folder: Path, *parts: dict, namespace: str = "default", hooks: bool = True) -> list[dict]:
     said = plane.helm("template", "it", str(CHART), "-n", namespace, "-f", values_file(folder, *parts), "--include-crds=false",
                       *([] if hooks else ["--no-hooks"]))

@@ -150,10 +150,6 @@ class Pod:
         self.killed.set()
         self.terminating.set()
 
-    def log(self, container: str) -> str:
-        path = self.folder / f"{container}.log"
-        return path.read_text(encoding="utf-8", errors="replace") if path.exists() else ""
-
     # Inside
 
     def _run(self) -> None:
@@ -307,10 +303,6 @@ class Run:
     def signal(self, number: int) -> None:
         if self.process:
             self.process.signal(number)
-
-    @property
-    def pid(self) -> int:
-        return self.process.process.pid
 
     def turn(self, policy: str) -> None:
         if self.process is None:

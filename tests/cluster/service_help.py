@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import email
-import email.policy
 import selectors
 import socket
 import threading
 import time
 from pathlib import Path
 
-from chart_help import CHART, SECRET, values_file
+from chart_help import CHART, SECRET, stored, values_file
 from conftest import wait_for
 from node_agent import NodeAgent, Pod
 from plane import Plane
+
+from harness import mails_in
 
 NAME = "it-diaphane"
 
@@ -85,9 +85,7 @@ class Service:
         for name, place in self.claims.items():
             place.mkdir(parents=True)
             self._own(place)
-            self.plane.apply({"apiVersion": "v1", "kind": "PersistentVolume", "metadata": {"name": f"{self.namespace}-{name}"}, "spec": {
-                "capacity": {"storage": "1Ti"}, "accessModes": ["ReadWriteMany"], "hostPath": {"path": str(place)}, "storageClassName": "",
-                "claimRef": {"namespace": self.namespace, "name": f"{NAME}-{name}"}}})
+            self.plane.apply(stored(self.namespace, f"{NAME}-{name}", str(place)))
         self._mail_folder().mkdir()
         self._own(self._mail_folder())
         secret = SECRET | {"postgres": self.dsn, "mail": "file:/data/cache/mail"}
@@ -109,9 +107,7 @@ class Service:
         return self.claims["cache"] / "mail"
 
     def mails(self, to: str) -> list:
-        files = sorted((one for one in self._mail_folder().iterdir() if one.suffix == ".eml" and not one.name.startswith(".")), key=lambda one: one.stat().st_mtime_ns)
-        mails = [email.message_from_bytes(one.read_bytes(), policy=email.policy.default) for one in files]
-        return [one for one in mails if to in str(one["To"])]
+        return mails_in(self._mail_folder(), to)
 
     # Who has what
 

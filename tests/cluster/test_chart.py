@@ -10,7 +10,7 @@ import subprocess
 import pytest
 import yaml
 from certificates import issue
-from chart_help import CHART, CHOICES, INNER_TLS, SECRET, pod_specs, rendered, values_file
+from chart_help import CHART, CHOICES, INNER_TLS, SECRET, pod_specs, rendered, stored, values_file
 from conftest import wait_for
 
 
@@ -232,18 +232,11 @@ def test_promtool_takes_the_rules_and_they_fire(plane, tmp_path):
 
 # Installed
 
-def stored(namespace: str, name: str) -> list[dict]:
-    """A volume for a claim, as a storage class would make it: here nobody does."""
-    return [{"apiVersion": "v1", "kind": "PersistentVolume", "metadata": {"name": f"{namespace}-{name}"}, "spec": {
-        "capacity": {"storage": "1Ti"}, "accessModes": ["ReadWriteMany", "ReadWriteOnce"], "hostPath": {"path": "/nowhere"}, "storageClassName": "",
-        "claimRef": {"namespace": namespace, "name": name}}}]
-
-
 def prepare(plane, namespace: str, *more: str) -> None:
     """What a person makes before the install."""
     plane.kubectl("create", "-n", namespace, "-f", "-", given={"apiVersion": "v1", "kind": "Secret", "metadata": {"name": "diaphane"}, "stringData": SECRET})
     for name in ("it-diaphane-volumes", "it-diaphane-uploads", "it-diaphane-cache", *more):
-        plane.apply(*stored(namespace, name))
+        plane.apply(stored(namespace, name))
 
 
 @pytest.fixture
