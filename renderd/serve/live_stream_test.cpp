@@ -10,20 +10,14 @@ namespace {
 
 using Kind = v1::ServerMessage;
 
-struct LiveStream : testing::Test {
+struct LiveStream : WorkerTest, TestViewer {
   LiveStream() {
     device->seconds_per_megapixel = 0.01;
-    options.volume_dir = store.path;
     options.runner.rules.target_error = 0.05;  // the fake's error there: 100 samples
-    worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
-                                            clock);
+    start_worker();
   }
   void greet(v1::Codec codec, std::uint32_t side, v1::StillFormat stills) {
-    v1::Open open;
-    open.set_session_id(new_id());
-    open.set_volume_id(store.add_ball());
-    open.set_placement(1);
-    attachment = *worker->host().open(open, link);
+    attachment = *worker->host().open(open_message(new_id(), store.add_ball()), link);
     v1::ClientMessage hello = hello_message(side);
     hello.mutable_hello()->clear_codecs();
     hello.mutable_hello()->add_codecs(codec);
@@ -32,7 +26,6 @@ struct LiveStream : testing::Test {
     say(hello);
     config = link->inbox.next_of(Kind::kConfig)->config();
   }
-  void say(const v1::ClientMessage& message) { attachment->receive(message.SerializeAsString()); }
   /// The next message of what a page acts on; pictures are acknowledged.
   std::optional<v1::ServerMessage> next() {
     auto message = link->inbox.next([](const auto&) { return true; });
@@ -51,15 +44,6 @@ struct LiveStream : testing::Test {
     return all;
   }
 
-  TestStore store;
-  std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
-  prometheus::Registry registry;
-  Metrics metrics{registry};
-  SystemClock clock;
-  RenderWorker::Options options;
-  std::unique_ptr<RenderWorker> worker;
-  std::shared_ptr<Link> link = std::make_shared<Link>();
-  std::optional<Attachment> attachment;
   v1::Config config;
 };
 

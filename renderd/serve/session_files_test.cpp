@@ -11,12 +11,9 @@ namespace {
 using Kind = v1::ServerMessage;
 using namespace std::chrono_literals;
 
-struct Viewer {
-  std::shared_ptr<Link> link = std::make_shared<Link>();
-  std::optional<Attachment> attachment;
+struct Viewer : TestViewer {
   v1::Scene scene;
 
-  void say(const v1::ClientMessage& message) { attachment->receive(message.SerializeAsString()); }
   void key(std::uint32_t index, const v1::Scene& seen) {
     v1::ClientMessage message;
     message.mutable_key_view()->set_index(index);
@@ -57,33 +54,18 @@ struct Viewer {
     }
     return bytes;
   }
-  std::optional<v1::Problem> problem() {
-    const auto message = link->inbox.next_of(Kind::kProblem);
-    return message ? std::optional(message->problem()) : std::nullopt;
-  }
 };
 
-struct SessionFilesTest : testing::Test {
+struct SessionFilesTest : WorkerTest {
   SessionFilesTest() {
-    options.volume_dir = store.path;
     options.host.slots = 4;
-    id = store.add_ball();
-    worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
-                                            clock);
+    start_worker();
   }
   Viewer attach(const std::string& session, const std::string& participant = {}) {
     Viewer viewer;
-    v1::Open open;
-    open.set_session_id(session);
-    open.set_volume_id(id);
-    open.set_placement(1);
-    open.set_participant(participant);
+    v1::Open open = open_message(session, id, participant);
     open.set_user_id(user);
-    viewer.attachment.emplace(*worker->host().open(open, viewer.link));
-    viewer.say(hello_message());
-    const auto config = viewer.link->inbox.next_of(Kind::kConfig);
-    EXPECT_TRUE(config);
-    if (config) viewer.scene = config->config().scene();
+    viewer.scene = enter(viewer, open).scene();
     v1::ClientMessage hidden;
     hidden.mutable_visibility()->set_visible(false);
     viewer.say(hidden);
@@ -99,15 +81,8 @@ struct SessionFilesTest : testing::Test {
     return false;
   }
 
-  TestStore store;
-  std::string id;
+  const std::string id = store.add_ball();
   const std::string user = new_id();
-  std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
-  prometheus::Registry registry;
-  Metrics metrics{registry};
-  SystemClock clock;
-  RenderWorker::Options options;
-  std::unique_ptr<RenderWorker> worker;
 };
 
 TEST_F(SessionFilesTest, AFilmIsMadeAndChargedToItsOwner) {

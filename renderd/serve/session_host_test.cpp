@@ -15,11 +15,7 @@ using namespace std::chrono_literals;
 using Kind = v1::ServerMessage;
 
 // A viewer that acknowledges what it gets, when told to.
-struct Viewer {
-  std::shared_ptr<Link> link = std::make_shared<Link>();
-  std::optional<Attachment> attachment;
-
-  void say(const v1::ClientMessage& message) { attachment->receive(message.SerializeAsString()); }
+struct Viewer : TestViewer {
   // Acknowledges frames until one passes.
   std::optional<v1::Frame> follow(const std::function<bool(const v1::Frame&)>& until) {
     for (;;) {

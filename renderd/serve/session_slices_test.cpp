@@ -27,12 +27,9 @@ std::vector<std::int16_t> values_of(const v1::ExactSlice& slice) {
   return values;
 }
 
-struct Viewer {
-  std::shared_ptr<Link> link = std::make_shared<Link>();
-  std::optional<Attachment> attachment;
+struct Viewer : TestViewer {
   std::uint64_t taken = 0;
 
-  void say(const v1::ClientMessage& message) { attachment->receive(message.SerializeAsString()); }
   void want(std::initializer_list<std::pair<v1::AnatomicalPlane, std::uint32_t>> slices) {
     v1::ClientMessage message;
     v1::SlicesWanted& wanted = *message.mutable_slices();
@@ -50,16 +47,11 @@ struct Viewer {
     taken = message->slice().seq();
     return message->slice();
   }
-  std::optional<v1::Problem> problem() {
-    const auto message = link->inbox.next_of(Kind::kProblem);
-    return message ? std::optional(message->problem()) : std::nullopt;
-  }
 };
 
-struct SessionSlicesTest : testing::Test {
+struct SessionSlicesTest : WorkerTest {
   SessionSlicesTest() {
     device->seconds_per_megapixel = 0.25;
-    options.volume_dir = store.path;
     options.host.slots = 2;
     stored.header.size = {6, 5, 4};
     stored.header.spacing = {1, 2, 3};
@@ -70,37 +62,20 @@ struct SessionSlicesTest : testing::Test {
     volume::measure(stored);
     id = new_id();
     EXPECT_TRUE(volume::write(stored, store.path + "/" + id));
-    worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
-                                            clock);
+    start_worker();
   }
 
   Viewer attach(const std::string& session, const std::string& participant = {}) {
     Viewer viewer;
-    v1::Open open;
-    open.set_session_id(session);
-    open.set_volume_id(id);
-    open.set_placement(1);
-    open.set_participant(participant);
-    viewer.attachment.emplace(*worker->host().open(open, viewer.link));
-    viewer.say(hello_message());
-    const auto config = viewer.link->inbox.next_of(Kind::kConfig);
-    EXPECT_TRUE(config);
-    if (config) stacks = config->config().slice_stacks();
+    stacks = enter(viewer, open_message(session, id, participant)).slice_stacks();
     return viewer;
   }
   std::int16_t voxel(std::size_t x, std::size_t y, std::size_t z) const {
     return stored.voxels[x + 6 * (y + 5 * z)];
   }
 
-  TestStore store;
   volume::Volume stored;
   std::string id;
-  std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
-  prometheus::Registry registry;
-  Metrics metrics{registry};
-  SystemClock clock;
-  RenderWorker::Options options;
-  std::unique_ptr<RenderWorker> worker;
   google::protobuf::RepeatedPtrField<v1::SliceStack> stacks;
 };
 

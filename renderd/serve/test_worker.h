@@ -168,4 +168,52 @@ inline v1::Scene turned(v1::Scene scene, double by) {
   return scene;
 }
 
+inline v1::Open open_message(const std::string& session, const std::string& volume,
+                             const std::string& participant = {}) {
+  v1::Open open;
+  open.set_session_id(session);
+  open.set_volume_id(volume);
+  open.set_placement(1);
+  open.set_participant(participant);
+  return open;
+}
+
+/// Somebody's end of a session.
+struct TestViewer {
+  std::shared_ptr<Link> link = std::make_shared<Link>();
+  std::optional<Attachment> attachment;
+
+  void say(const v1::ClientMessage& message) { attachment->receive(message.SerializeAsString()); }
+  std::optional<v1::Problem> problem() {
+    const auto message = link->inbox.next_of(v1::ServerMessage::kProblem);
+    return message ? std::optional(message->problem()) : std::nullopt;
+  }
+};
+
+/// A worker whose device a test slows down, on a store of its own.
+struct WorkerTest : testing::Test {
+  void start_worker() {
+    options.volume_dir = store.path;
+    worker.reset();
+    worker = std::make_unique<RenderWorker>(options, std::make_unique<FakeEngine>(device), metrics,
+                                            clock);
+  }
+  /// Opened and greeted; what it was told of the session.
+  v1::Config enter(TestViewer& viewer, const v1::Open& open) {
+    viewer.attachment.emplace(*worker->host().open(open, viewer.link));
+    viewer.say(hello_message());
+    const auto config = viewer.link->inbox.next_of(v1::ServerMessage::kConfig);
+    EXPECT_TRUE(config);
+    return config ? config->config() : v1::Config();
+  }
+
+  TestStore store;
+  std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
+  prometheus::Registry registry;
+  Metrics metrics{registry};
+  SystemClock clock;
+  RenderWorker::Options options;
+  std::unique_ptr<RenderWorker> worker;
+};
+
 }  // namespace diaphane::render
