@@ -275,8 +275,12 @@ bool NodeCache::write_copy(const Volume& volume, const std::stop_token& stop) {
   // Not what the store's header says: read while it was exchanged, or from a broken disk.
   good = good && hash.end() == volume.header.content_hash;
   mark_used(file.get());
-  // Not synced: a copy that a power failure cut is seen by its hash.
-  good = good && rename(temporary.c_str(), path(name).c_str()) == 0;
+  if (good) {
+    // A listing may miss a file whose name changes meanwhile: then its bytes would not be counted.
+    const FileLock room(path(kRoomLock), 0);
+    // Not synced: a copy that a power failure cut is seen by its hash.
+    good = room && rename(temporary.c_str(), path(name).c_str()) == 0;
+  }
   if (!good) unlink(temporary.c_str());
   return good;
 }

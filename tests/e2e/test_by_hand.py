@@ -57,7 +57,7 @@ class Eye:
 
 
 def settled(hands: Hands) -> None:
-    """What the page keeps, it keeps a moment later than it is."""
+    """A picture that was let go of moves on for a moment."""
     def still() -> bool:
         before = hands.kept()
         hands.page.wait_for_timeout(300)
@@ -295,7 +295,6 @@ def type_nonsense(hands: Hands, frame: Locator) -> None:
         field.press("Escape")
         expect(frame.get_by_role("alert")).to_have_count(0)
         assert field.input_value() == shown
-    hands.page.wait_for_timeout(300)
     assert hands.kept()[0] == scene
 
 

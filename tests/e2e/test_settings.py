@@ -28,7 +28,9 @@ class Hands:
 
     def kept(self) -> tuple[str, int]:
         """The scene as the page would show it after a reload, and the number of the input that said it."""
+        # The page keeps it a moment later than it is, or as soon as it may be about to go.
         scene, seq = self.page.evaluate("""() => {
+            dispatchEvent(new PageTransitionEvent("pagehide"));
             const kept = Object.entries(sessionStorage).find(([name]) => name.startsWith("diaphane.view."));
             const { scene, input_seq } = JSON.parse(kept?.[1] ?? "{}");
             return [scene ?? "", input_seq ?? 0];
