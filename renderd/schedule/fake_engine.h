@@ -18,7 +18,9 @@ struct FakeDevice {
   std::atomic<bool> refuse_scenes{false};
   std::atomic<std::uint32_t> refuse_wider_than{100000};
   std::atomic<bool> lost{false};
-  std::atomic<bool> hangs{false};             ///< a quantum neither ends nor asks whether to
+  std::atomic<bool> hangs{false};           ///< a quantum neither ends nor asks whether to
+  std::atomic<bool> holds_pictures{false};  ///< none is ready as long as this is so
+  std::atomic<int> making_pictures{0};
   std::atomic<bool> refuse_renderers{false};  ///< no memory for another film
   std::atomic<std::uint64_t> samples{0};
   std::atomic<int> scenes{0};
@@ -83,6 +85,9 @@ class FakeRenderer final : public FrameRenderer {
   }
 
   Result<void> display(PictureRgb8& out) override {
+    ++device_->making_pictures;
+    while (device_->holds_pictures) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    --device_->making_pictures;
     out.size = canvas_;
     out.pixels.assign(std::size_t{3} * canvas_.width * canvas_.height, shade_);
     return {};

@@ -120,6 +120,8 @@ class Runner {
   void show_if_due(Turn& turn);
   void show(Turn& turn, const EmissionQuestion& question);
   void carry_out_still(Turn& turn, Signs::Work& signs);
+  void render_still(Turn& turn, Signs::Work& signs);
+  void finish_still(Turn& turn, Signs::Work& signs);
   double own_seconds() const;
   void ended(std::unique_ptr<Turn> turn);
 

@@ -126,6 +126,62 @@ TEST_F(RunnerFilesTest, AFileGoesBehindStillsThatCameLater) {
   EXPECT_EQ(ended_file.wait_for(10s), std::future_status::ready);
 }
 
+TEST_F(RunnerFilesTest, WhileOneIsFinishedTheSessionsGoOn) {
+  const auto one = person();
+  ASSERT_TRUE(eventually([&] { return one->pictures > 0; }));
+  files->holds_pictures = true;
+  std::promise<double> done;
+  auto finished = done.get_future();
+  StillJob large = job(StillRank::kFile, done);
+  large.smoothed = true;
+  runner.submit(std::move(large));
+  ASSERT_TRUE(eventually([&] { return files->making_pictures > 0; }));
+  const std::uint64_t samples = one->samples;
+  const int pictures = one->pictures;
+  one->turn(2);
+  runner.wake();
+  EXPECT_TRUE(eventually([&] { return one->samples > samples && one->pictures > pictures; }));
+  const auto late = person();  // who comes meanwhile
+  EXPECT_TRUE(eventually([&] { return late->pictures > 0; }));
+  EXPECT_EQ(finished.wait_for(0s), std::future_status::timeout);
+  files->holds_pictures = false;
+  ASSERT_EQ(finished.wait_for(10s), std::future_status::ready);
+  EXPECT_GT(finished.get(), 0);
+}
+
+TEST_F(RunnerFilesTest, WhoLeavesWhileHisIsFinishedGetsNothingAndTheNextIsRendered) {
+  files->holds_pictures = true;
+  std::promise<double> left, stays;
+  auto to_who_left = left.get_future(), to_who_stays = stays.get_future();
+  std::atomic<bool> cancelled{false};
+  StillJob cut = job(StillRank::kFile, left);
+  cut.cancelled = [&] { return cancelled.load(); };
+  const std::weak_ptr<FrameRenderer> of_who_left = cut.renderer;
+  runner.submit(std::move(cut));
+  ASSERT_TRUE(eventually([&] { return files->making_pictures > 0; }));
+  runner.submit(job(StillRank::kFile, stays));
+  cancelled = true;
+  files->holds_pictures = false;
+  ASSERT_EQ(to_who_stays.wait_for(10s), std::future_status::ready);
+  EXPECT_GT(to_who_stays.get(), 0);
+  EXPECT_TRUE(eventually([&] { return of_who_left.expired(); }));
+  EXPECT_EQ(to_who_left.wait_for(0s), std::future_status::timeout);
+}
+
+TEST_F(RunnerFilesTest, AnEndWhileOneIsFinishedWaitsForItAndGivesIt) {
+  files->holds_pictures = true;
+  std::promise<double> done;
+  auto finished = done.get_future();
+  runner.submit(job(StillRank::kFile, done));
+  ASSERT_TRUE(eventually([&] { return files->making_pictures > 0; }));
+  auto stopped = std::async(std::launch::async, [&] { runner.stop(); });
+  EXPECT_EQ(finished.wait_for(0s), std::future_status::timeout);
+  files->holds_pictures = false;
+  stopped.get();
+  ASSERT_EQ(finished.wait_for(0s), std::future_status::ready);
+  EXPECT_GT(finished.get(), 0);
+}
+
 TEST_F(RunnerFilesTest, ACancelledOneIsCutShortAndLetGo) {
   files->seconds_per_megapixel = 250'000;
   std::promise<double> done;

@@ -49,6 +49,7 @@ struct Runner::Turn {
   double fill = 1;
 
   std::optional<Error> refused, failed;
+  std::optional<PictureRgb8> made;  // the still's, once it has all its samples
   double scene_seconds = 0, picture_seconds = 0, render_seconds = 0;
 };
 

@@ -30,6 +30,13 @@ bool Runner::begin_still() {
 }
 
 void Runner::carry_out_still(Turn& turn, Signs::Work& signs) {
+  render_still(turn, signs);
+  // Of a large picture the rest takes a second on the CPU: sessions' quanta go on beside it.
+  rendered(turn);
+  if (!turn.failed) finish_still(turn, signs);
+}
+
+void Runner::render_still(Turn& turn, Signs::Work& signs) {
   StillJob& job = turn.still->job;
   const Time start = clock_.now();
   const double before = own_seconds();
@@ -54,33 +61,38 @@ void Runner::carry_out_still(Turn& turn, Signs::Work& signs) {
   turn.still->samples += batch->samples;
 }
 
-// The picture is made here: a thumbnail's takes next to nothing.
-void Runner::settle_still(Turn& turn) {
-  still_under_way_ = false;
+void Runner::finish_still(Turn& turn, Signs::Work& signs) {
   StillJob& job = turn.still->job;
-  still_seconds_due_ = still_due_after(job.rank, still_seconds_due_, turn.render_seconds);
-  const auto end = [&](Result<PictureRgb8> picture, double error) {
-    job.done(std::move(picture), error);
-    std::erase(stills_, turn.still);  // one that goes before it may have come meanwhile
-  };
-  if (turn.failed) {
-    end(tl::unexpected(*turn.failed), 0);
-    if (turn.failed->code == ErrorCode::kDeviceLost && options_.device_lost) {
-      options_.device_lost(*turn.failed);
-    }
-    return;
-  }
-  const bool late = turn.still->samples > 0 && clock_.now() >= job.until;
-  const bool good = job.error > 0 && job.renderer->progress().error <= job.error;
-  if (turn.still->samples < job.samples && !late && !good) return;
-  PictureRgb8 picture;
+  const StillSoFar so_far{turn.still->samples, job.samples, job.renderer->progress().error,
+                          job.error, clock_.now() >= job.until};
+  if (!still_is_rendered(so_far) || (job.cancelled && job.cancelled())) return;
+  signs.alive();
+  const Time start = clock_.now();
+  PictureRgb8& picture = turn.made.emplace();
   const Result<bool> shown = job.smoothed
                                  ? job.renderer->display_denoised(picture)
                                  : job.renderer->display(picture).map([] { return false; });
-  if (!shown) {
-    end(tl::unexpected(shown.error()), 0);
-  } else {
-    end(std::move(picture), job.renderer->progress().error);
+  turn.picture_seconds = seconds_between(start, clock_.now());
+  if (!shown) turn.failed = shown.error();
+}
+
+void Runner::settle_still(Turn& turn) {
+  still_under_way_ = false;
+  StillJob& job = turn.still->job;
+  still_seconds_due_ =
+      still_due_after(job.rank, still_seconds_due_, turn.render_seconds + turn.picture_seconds);
+  if (!turn.failed && !turn.made) return;
+  // One that nobody waits for any more was cancelled while its picture was made.
+  if (!job.cancelled || !job.cancelled()) {
+    if (turn.failed) {
+      job.done(tl::unexpected(*turn.failed), 0);
+    } else {
+      job.done(std::move(*turn.made), job.renderer->progress().error);
+    }
+  }
+  std::erase(stills_, turn.still);  // one that goes before it may have come meanwhile
+  if (turn.failed && turn.failed->code == ErrorCode::kDeviceLost && options_.device_lost) {
+    options_.device_lost(*turn.failed);
   }
 }
 

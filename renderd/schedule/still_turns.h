@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 namespace diaphane::render {
 
@@ -33,6 +34,20 @@ inline bool still_may_run(StillRank rank, std::size_t moving_sessions) {
 inline double still_due_after(StillRank rank, double due, double spent) {
   constexpr double kLongestDebt = 1;
   return std::max(due - spent, rank == StillRank::kFile ? -kLongestDebt : 0.0);
+}
+
+/// What a still has got, and what was asked for.
+struct StillSoFar {
+  std::uint64_t samples = 0, samples_wanted = 1;
+  double error = 0, error_wanted = 0;  ///< 0 wanted: no error is good enough
+  bool late = false;                   ///< somebody must have it now
+};
+
+/// Whether its picture is made of what is there: one sample at least.
+inline bool still_is_rendered(const StillSoFar& still) {
+  if (still.samples == 0) return false;
+  const bool good = still.error_wanted > 0 && still.error <= still.error_wanted;
+  return still.samples >= still.samples_wanted || still.late || good;
 }
 
 }  // namespace diaphane::render

@@ -40,5 +40,16 @@ TEST(StillTurns, AFileGivesBackWhatALongSampleTook) {
   }
 }
 
+TEST(StillTurns, APictureIsMadeOfAllSamplesOrOfGoodOnesOrWhenItIsLateButNotOfNone) {
+  const double never = 0;
+  EXPECT_FALSE(still_is_rendered({9, 10, 0.2, never, false}));
+  EXPECT_TRUE(still_is_rendered({10, 10, 0.2, never, false}));
+  EXPECT_FALSE(still_is_rendered({4, 10, 0.2, 0.1, false}));
+  EXPECT_TRUE(still_is_rendered({4, 10, 0.1, 0.1, false}));
+  EXPECT_FALSE(still_is_rendered({4, 10, 0, never, false}));
+  EXPECT_TRUE(still_is_rendered({1, 10, 0.2, never, true}));
+  EXPECT_FALSE(still_is_rendered({0, 10, 0, 0.1, true}));
+}
+
 }  // namespace
 }  // namespace diaphane::render
