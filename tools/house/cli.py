@@ -94,6 +94,8 @@ def _parser() -> argparse.ArgumentParser:
     pictures = command("screenshots", _screenshots, "FOLDER: a picture of every page at three sizes, light and dark, to be looked at")
     pictures.add_argument("folder", type=Path)
     pictures.add_argument("--only", default="", metavar="TEXT", help="only what has this in its name (person-scans, nobody-sign-in, viewer-light, ...)")
+    pictures.add_argument("--size", choices=("phone", "tablet", "desk"), help="only this size")
+    pictures.add_argument("--look", choices=("light", "dark"), help="only this look")
     command("guide", lambda *_: _guide(), "make the pictures of docs/guide.md anew")
     commands.add_parser("help", help="this").set_defaults(run=lambda *_: parser.print_help() or 0)
     return parser
@@ -160,7 +162,7 @@ def _sample(options: argparse.Namespace, rest: list[str]) -> int:
 def _screenshots(options: argparse.Namespace, _: list[str]) -> int:
     from . import screenshots
 
-    return screenshots.run(options.folder.resolve(), options.only)
+    return screenshots.run(options.folder.resolve(), options.only, options.size, options.look)
 
 
 def _guide() -> int:

@@ -23,12 +23,14 @@ GUIDE_SIZES = {"desk": (1200, 750), "phone": (390, 844)}
 GUIDE_ON_A_PHONE = ("start", "light")
 
 
-def run(out: Path, only: str) -> int:
+def run(out: Path, only: str, one_size: str | None = None, one_look: str | None = None) -> int:
     made = 0
     with _seen() as (browser, stack, person, shown):
         out.mkdir(parents=True, exist_ok=True)
         for size, (width, height) in SIZES.items():
             for look in LOOKS:
+                if one_size not in (None, size) or one_look not in (None, look):
+                    continue
                 for name, page in _pages(browser, stack, person, shown, (width, height), look, only):
                     page.screenshot(path=out / f"{name}-{size}-{look}.png", full_page=page.locator(".viewer").count() == 0)
                     made += 1
