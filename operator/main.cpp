@@ -2,9 +2,11 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
+#include <thread>
 
 #include "common/config.h"
 #include "common/ids.h"
@@ -12,6 +14,7 @@
 #include "common/service/admin_server.h"
 #include "common/service/signals.h"
 #include "common/wire/inner_tls.h"
+#include "operator/act/retire.h"
 #include "operator/controller.h"
 #include "operator/kube/cpprest_transport.h"
 
@@ -20,6 +23,7 @@ namespace {
 using namespace diaphane;
 
 constexpr int kExitUnavailable = 69;  // sysexits.h: EX_UNAVAILABLE
+constexpr int kExitNotAllowed = 77;   // EX_NOPERM
 /// The lease went to another: nothing is finished, nothing is given back.
 constexpr int kExitLost = 75;  // EX_TEMPFAIL
 constexpr char kAccountDir[] = "/var/run/secrets/kubernetes.io/serviceaccount";
@@ -47,19 +51,25 @@ std::map<std::string, std::string> pod_environment() {
   return all;
 }
 
-std::optional<int> read_options(int argc, char** argv, Options& options) {
-  ConfigReader in(argc, argv);
+kube::Access read_access(ConfigReader& in) {
   const auto pod = kube::access_of_pod(pod_environment(), kAccountDir);
-  options.access = pod.value_or(kube::Access{});
-  options.access.name_space = in.text("namespace", "whose fleets are seen to; default: the pod's",
-                                      options.access.name_space);
-  options.access.server = in.text(
-      "kube-server", "API server, https://host:port; default: the pod's", options.access.server);
-  options.access.token_file =
-      in.text("kube-token-file", "who asks; default: the pod's account", options.access.token_file);
-  options.access.ca_file =
+  kube::Access access = pod.value_or(kube::Access{});
+  access.name_space =
+      in.text("namespace", "whose fleets are seen to; default: the pod's", access.name_space);
+  access.server =
+      in.text("kube-server", "API server, https://host:port; default: the pod's", access.server);
+  access.token_file =
+      in.text("kube-token-file", "who asks; default: the pod's account", access.token_file);
+  access.ca_file =
       in.text("kube-ca-file", "who signed the API server's certificate; default: as in the pod",
-              options.access.ca_file);
+              access.ca_file);
+  if (access.server.empty()) in.mistake("--kube-server is missing, and this is no pod");
+  if (access.name_space.empty()) in.mistake("--namespace is missing, and this is no pod");
+  return access;
+}
+
+std::optional<int> read_options(ConfigReader& in, Options& options) {
+  options.access = read_access(in);
   options.redis = in.text("redis", "host:port, or rediss://host:port with TLS");
   options.tls = wire::read_inner_tls(in);
   wire::check_address(in, "redis", options.redis, options.tls);
@@ -76,9 +86,33 @@ std::optional<int> read_options(int argc, char** argv, Options& options) {
   leader.path = "/apis/coordination.k8s.io/v1/namespaces/" + options.access.name_space + "/leases";
   // Nothing is given back and nothing ended in order: another may be writing already.
   leader.lost = [] { std::_Exit(kExitLost); };
-  if (options.access.server.empty()) in.mistake("--kube-server is missing, and this is no pod");
-  if (options.access.name_space.empty()) in.mistake("--namespace is missing, and this is no pod");
-  return in.finish("diaphane-operator: render pods of a Kubernetes namespace");
+  if (!in.words().empty()) in.mistake("a word alone: retire");
+  return in.finish(
+      "diaphane-operator: render pods of a Kubernetes namespace (retire: the end of a fleet)");
+}
+
+int run_retire(ConfigReader& in) {
+  const kube::Access access = read_access(in);
+  fleet::RetireOptions options;
+  options.name_space = access.name_space;
+  options.fleet = in.text("fleet", "RenderFleet that goes, with all its workers");
+  options.grace =
+      static_cast<double>(in.integer("grace-s", "so long an operator may drain it", 0, 86400, 120));
+  options.clock = [] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  };
+  options.pause = [] { std::this_thread::sleep_for(std::chrono::seconds(1)); };
+  if (auto done = in.finish("diaphane-operator retire: deletes a fleet and waits for its end")) {
+    return *done;
+  }
+  log::start("operator");
+  const auto transport = kube::make_cpprest_transport(access);
+  kube::Api api(*transport, "diaphane-retire");
+  const auto done = fleet::retire(api, options);
+  if (done) return 0;
+  log::error("not_retired", {{"message", done.error().message}});
+  return kExitNotAllowed;
 }
 
 int serve(const Options& options) {
@@ -131,8 +165,10 @@ int serve(const Options& options) {
 int main(int argc, char** argv) {
   // Lists are large and short-lived: what they took is given back.
   mallopt(M_ARENA_MAX, 2);
+  ConfigReader in(argc, argv);
+  if (in.words() == std::vector<std::string>{"retire"}) return run_retire(in);
   Options options;
-  if (auto done = read_options(argc, argv, options)) return *done;
+  if (auto done = read_options(in, options)) return *done;
   log::start("operator");
   return serve(options);
 }

@@ -36,7 +36,7 @@ def chart_rights(plane: Plane, all_pods: bool = False) -> dict[str, list[dict]]:
     """What the chart gives the operator: `here`, in its namespace, and `everywhere`."""
     if all_pods not in _rights:
         with tempfile.TemporaryDirectory() as folder:
-            roles = rendered(plane, Path(folder), {"operator": {"watchAllPods": all_pods}})
+            roles = rendered(plane, Path(folder), {"operator": {"watchAllPods": all_pods}}, hooks=False)
         named = {"Role": "here", "ClusterRole": "everywhere"}
         _rights[all_pods] = {named[one["kind"]]: one["rules"] for one in roles if one["kind"] in named}
     return _rights[all_pods]

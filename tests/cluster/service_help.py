@@ -98,9 +98,7 @@ class Service:
         self.plane.run_as.own(place)
 
     def uninstall(self) -> None:
-        """The fleet first, while the operator that lets go of its workers is still there."""
-        self.plane.kubectl("delete", f"rf/{NAME}", "-n", self.namespace, "--timeout=60s", check=False)
-        self.plane.helm("uninstall", "it", "-n", self.namespace, "--wait", "--timeout", "60s", check=False)
+        self.plane.helm("uninstall", "it", "-n", self.namespace, "--wait", "--timeout", "180s", check=False)
         self.front.close()
 
     def _mail_folder(self) -> Path:

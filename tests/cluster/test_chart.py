@@ -98,7 +98,7 @@ def test_pods_are_as_they_should_be(plane, tmp_path, choice):
     for name, spec in pod_specs(rendered(plane, tmp_path, CHOICES[choice])):
         assert spec["securityContext"]["runAsNonRoot"] and spec["securityContext"]["runAsUser"] > 0, name
         assert spec["securityContext"]["seccompProfile"]["type"] == "RuntimeDefault", name
-        assert spec["automountServiceAccountToken"] is name.endswith("-operator"), name
+        assert spec["automountServiceAccountToken"] is name.endswith(("-operator", "-retire")), name
         assert spec["enableServiceLinks"] is False, name
         for one in spec["containers"]:
             assert one["securityContext"] == {"allowPrivilegeEscalation": False, "readOnlyRootFilesystem": True, "capabilities": {"drop": ["ALL"]}}, name
@@ -192,6 +192,7 @@ def test_nobody_talks_to_more_than_he_needs(plane, tmp_path):
     talks = next(one["spec"]["egress"] for one in looked_at if one["kind"] == "NetworkPolicy" and one["metadata"]["name"].endswith("-ingest"))
     assert sorted(port["port"] for rule in talks for port in rule["ports"]) == [53, 53, 3311, 5432]
     assert out("ingest") == [53, 53, 5432] and out("migrate") == [53, 53, 5432] and out("renderd") == [53, 53, 6379]
+    assert out("retire") == [53, 53, 443, 6443]
     assert out("operator") == [53, 53, 443, 6379, 6443] and out("api") == [25, 53, 53, 465, 587, 5432, 6379, 8085]
     grpc = [rule for rule in policies["renderd"]["ingress"] if rule["ports"] == [{"port": "grpc"}]]
     assert grpc[0]["from"][0]["podSelector"]["matchLabels"]["app.kubernetes.io/component"] == "api"

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
-import threading
 import time
 import uuid
 from pathlib import Path
@@ -14,9 +12,8 @@ import pytest
 import yaml
 from chart_help import CHART, SECRET, values_file
 from conftest import wait_for
-from operator_help import BUILD, GROUP
-from plane import node
-from pod_contents import Places, data_of, environment
+from hooks_help import Hooks
+from operator_help import GROUP
 from test_chart import prepare
 
 from house import paths
@@ -40,70 +37,27 @@ def older_chart(folder: Path) -> Path:
     return chart
 
 
-class Hooks:
-    """Runs what a hook's pod says, really: with the programs of this checkout and the schema of its image's version."""
+class Migrates(Hooks):
+    """With the schema of its image's version."""
+
+    component = "migrate"
 
     def __init__(self, plane, namespace: str, folder: Path):
-        self.plane, self.namespace, self.folder = plane, namespace, folder
-        self.ran: list[tuple[str, str]] = []
-        self.node = f"{namespace}-hooks"
-        # Nothing is scheduled to it: what is bound there by hand is run here.
-        plane.api.post("/api/v1/nodes", json={**node(self.node, gpus=0, kwok=False), "spec": {"unschedulable": True}}).raise_for_status()
+        super().__init__(plane, namespace)
         older = folder / "migrations"
         shutil.copytree(MIGRATIONS, older)
         for file in older.glob(sorted(MIGRATIONS.glob("*.up.sql"))[-1].name[:4] + "*"):
             file.unlink()
         self.migrations = {OLD: older}
 
-    def while_helm(self, *words: str) -> None:
-        """The scheduler waits until the hook's pod is here, so that it is bound to no node of kwok's."""
-        before = len(self.ran)
-        said: list = []
-        self.plane.pause("kube-scheduler")
-        try:
-            helm = threading.Thread(target=lambda: said.append(self.plane.helm(*words, "--wait", "--timeout", "180s", check=False)))
-            helm.start()
-            wait_for(lambda: self._run_one() or not helm.is_alive(), "the hook's pod")
-        finally:
-            self.plane.pause("kube-scheduler", on=False)
-        helm.join()
-        assert said[0].code == 0, said[0].text
-        assert len(self.ran) == before + 1, "no hook was run"
-
-    def _run_one(self) -> bool:
-        path = f"/api/v1/namespaces/{self.namespace}/pods"
-        pods = self.plane.api.get(path, params={"labelSelector": "app.kubernetes.io/component=migrate"}).json()["items"]
-        waiting = [one for one in pods if not one["spec"].get("nodeName") and one["status"].get("phase") == "Pending"]
-        if not waiting:
-            return False
-        name = waiting[0]["metadata"]["name"]
-        self.plane.api.post(f"{path}/{name}/binding", json={"apiVersion": "v1", "kind": "Binding", "metadata": {"name": name},
-                                                            "target": {"apiVersion": "v1", "kind": "Node", "name": self.node}}).raise_for_status()
-        container = waiting[0]["spec"]["containers"][0]
-        done = self._run(waiting[0], container)
-        phase = "Succeeded" if done.returncode == 0 else "Failed"
-        self.plane.api.patch(f"{path}/{name}/status", json={"status": {"phase": phase}},
-                             headers={"Content-Type": "application/merge-patch+json"}).raise_for_status()
-        assert done.returncode == 0, done.stderr
-        self.ran.append((container["image"], done.stdout))
-        return True
-
-    def _data(self, kind: str, name: str) -> dict[str, bytes]:
-        return data_of(self.plane.api.get(f"/api/v1/namespaces/{self.namespace}/{kind}/{name}").raise_for_status().json())
-
-    def _run(self, pod: dict, container: dict) -> subprocess.CompletedProcess:
-        env = environment(pod, container, Places("127.0.0.1"), lambda name: self._data("secrets", name), lambda name: self._data("configmaps", name))
+    def words(self, container: dict) -> list[str]:
         migrations = self.migrations.get(container["image"].partition(":")[2], MIGRATIONS)
-        words = [word.replace("/opt/diaphane/bin", str(BUILD / "bin")).replace("/opt/diaphane/migrations", str(migrations)) for word in container["command"]]
-        return subprocess.run(words, env=env, capture_output=True, text=True, timeout=60)
-
-    def close(self) -> None:
-        self.plane.api.delete(f"/api/v1/nodes/{self.node}")
+        return [word.replace("/opt/diaphane/migrations", str(migrations)) for word in super().words(container)]
 
 
 @pytest.fixture
 def hooks(plane, namespace, tmp_path):
-    made = Hooks(plane, namespace, tmp_path)
+    made = Migrates(plane, namespace, tmp_path)
     yield made
     made.close()
 

@@ -29,7 +29,7 @@ def test_rules_and_dashboard_ask_for_metrics_that_there_are():
 def test_templates_set_only_settings_that_programs_read():
     programs = {"api.yaml": ("api/main.cpp",), "migrate.yaml": ("api/main.cpp",), "ingest.yaml": ("ingest/main.cpp",), "fleet.yaml": ("renderd/main.cpp",)}
     if (REPO / "operator" / "main.cpp").exists():
-        programs["operator.yaml"] = ("operator/main.cpp",)
+        programs["operator.yaml"] = programs["retire.yaml"] = ("operator/main.cpp",)
     for template, files in programs.items():
         text = "".join((REPO / file).read_text(encoding="utf-8") for file in files)
         read = {name.upper().replace("-", "_") for name in re.findall(r'in\.\w+\(\s*"([a-z-]+)"', text)}

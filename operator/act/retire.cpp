@@ -1,0 +1,104 @@
+#include "operator/act/retire.h"
+
+#include <algorithm>
+
+#include "common/log.h"
+#include "operator/kube/fields.h"
+#include "operator/names.h"
+
+namespace diaphane::fleet {
+namespace {
+
+using kube::part;
+using kube::text;
+
+std::string path_of(const RetireOptions& options, Kind kind, const std::string& name = {}) {
+  std::string path = "/apis/" + std::string(kVersion) + "/namespaces/" + options.name_space;
+  path += kind == Kind::kFleet ? "/renderfleets" : "/renderworkers";
+  return name.empty() ? path : path + "/" + name;
+}
+
+bool is_held(const Json& object) {
+  const Json& all = part(part(object, "metadata"), "finalizers");
+  return all.is_array() && std::find(all.begin(), all.end(), Json(kFinalizer)) != all.end();
+}
+
+void add_steps(std::vector<RetireStep>& steps, Kind kind, const Json& object, bool let_go) {
+  // Its finalizer goes after: an operator that is there would put it back before.
+  if (text(part(object, "metadata"), "deletionTimestamp").empty()) {
+    steps.push_back({RetireStep::What::kDelete, kind, object});
+  } else if (let_go && is_held(object)) {
+    steps.push_back({RetireStep::What::kLetGo, kind, object});
+  }
+}
+
+Result<Remains> look(kube::Api& api, const RetireOptions& options, bool in_time) {
+  Remains left;
+  auto fleet = api.get(path_of(options, Kind::kFleet, options.fleet));
+  if (fleet) {
+    left.fleet = std::move(*fleet);
+  } else if (fleet.error().code != ErrorCode::kNotFound) {
+    return tl::unexpected(fleet.error());
+  }
+  // Thousands of them: not read while nothing would be done about them.
+  if (left.fleet && in_time) return left;
+  auto list = api.get(path_of(options, Kind::kWorker));
+  if (!list) return tl::unexpected(list.error());
+  for (const Json& worker : part(*list, "items")) {
+    if (text(part(worker, "spec"), "fleetName") == options.fleet) left.workers.push_back(worker);
+  }
+  return left;
+}
+
+Result<void> carry_out(kube::Api& api, const RetireOptions& options, const RetireStep& step) {
+  const Json& metadata = part(step.object, "metadata");
+  const std::string path = path_of(options, step.kind, text(metadata, "name"));
+  if (step.what == RetireStep::What::kDelete) {
+    return api.remove(path, {text(metadata, "uid"), {}});
+  }
+  const auto answer = api.replace(path, without_finalizer(step.object));
+  if (!answer) return tl::unexpected(answer.error());
+  return {};
+}
+
+bool never(const Error& error) {
+  return error.code == ErrorCode::kForbidden || error.code == ErrorCode::kUnauthenticated;
+}
+
+}  // namespace
+
+std::vector<RetireStep> retire_steps(const Remains& left, bool in_time) {
+  std::vector<RetireStep> steps;
+  if (!in_time) {
+    for (const Json& worker : left.workers) add_steps(steps, Kind::kWorker, worker, true);
+  }
+  // The last to go: while it is there, what it had is found by its name.
+  if (left.fleet) add_steps(steps, Kind::kFleet, *left.fleet, !in_time && left.workers.empty());
+  return steps;
+}
+
+Result<void> retire(kube::Api& api, const RetireOptions& options) {
+  const Seconds begun = options.clock();
+  bool told = false;
+  for (;; options.pause()) {
+    const bool in_time = options.clock() - begun < options.grace;
+    const auto left = look(api, options, in_time);
+    if (!left && never(left.error())) return tl::unexpected(left.error());
+    if (!left) {
+      log::warning("not_read", {{"message", left.error().message}});
+      continue;
+    }
+    if (!left->fleet && left->workers.empty()) return {};
+    if (!in_time && !told) {
+      told = true;
+      log::warning("let_go", {{"workers", static_cast<std::int64_t>(left->workers.size())}});
+    }
+    for (const RetireStep& step : retire_steps(*left, in_time)) {
+      const auto done = carry_out(api, options, step);
+      if (!done && never(done.error())) return done;
+      // Gone meanwhile, changed meanwhile: the next look tells.
+    }
+  }
+}
+
+}  // namespace diaphane::fleet
