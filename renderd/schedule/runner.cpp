@@ -215,7 +215,6 @@ std::vector<SessionView> Runner::look() {
   }
   error_ = error;
   moving_ = moving;
-  hold_files_ = !still_may_run(StillRank::kFile, moving);
   drop_cancelled_stills();
   still_share_ =
       still_share(stills_.empty() ? StillRank::kAwaited : stills_.front()->job.rank, moving);

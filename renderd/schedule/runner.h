@@ -147,14 +147,13 @@ class Runner {
   RunnerTimes spent_;
   std::atomic<bool> stopping_{false};
   std::atomic<double> error_{0};
-  std::atomic<bool> hold_files_{false};  // a hand moves
+  std::atomic<std::size_t> moving_{0};  // sessions; set by the thread
   Signs signs_;
 
   // Of the thread alone.
   std::vector<std::shared_ptr<Track>> tracks_;
   std::deque<std::shared_ptr<Still>> stills_;
   bool still_under_way_ = false;
-  std::size_t moving_ = 0;  // sessions
   std::uint64_t last_ = 0;  // whose quantum was begun last
   double still_share_ = 0;
   double still_seconds_due_ = 0;  // of the device, to the stills

@@ -49,7 +49,7 @@ void Runner::render_still(Turn& turn, Signs::Work& signs) {
   }
   const auto batch = job.renderer->render(turn.samples, [&] {
     signs.alive();
-    return stopping_ || (job.rank == StillRank::kFile && hold_files_) ||
+    return stopping_ || !still_may_run(job.rank, moving_) ||
            (job.cancelled && job.cancelled());
   });
   turn.render_seconds = seconds_between(start, clock_.now());
