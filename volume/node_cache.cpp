@@ -237,7 +237,7 @@ bool NodeCache::write_copy(const Volume& volume, const std::stop_token& stop) {
   const std::string name = name_of(volume.id, *seal);
   const std::uint64_t bytes = volume.voxels.size() * sizeof(std::int16_t);
   const std::string temporary = path(kTemporaryPrefix + name + "-" + random_hex(8));
-  int made = -1;
+  std::optional<Fd> file;
   {
     // Under the lock of the folder a place is taken for all of it: two writers never go over the
     // bound together.
@@ -247,19 +247,18 @@ bool NodeCache::write_copy(const Volume& volume, const std::stop_token& stop) {
     const auto going = make_room(list(), bytes, options_.bound);
     if (!going) return false;
     for (const std::string& old : *going) unlink(path(old).c_str());
-    made = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
-    if (made >= 0) {
-      (void)flock(made, LOCK_EX | LOCK_NB);
-      if (posix_fallocate(made, 0, static_cast<off_t>(bytes)) != 0) {
+    Fd made(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+    if (made) {
+      (void)flock(made.get(), LOCK_EX | LOCK_NB);
+      if (posix_fallocate(made.get(), 0, static_cast<off_t>(bytes)) == 0) {
+        file.emplace(std::move(made));
+      } else {
         unlink(temporary.c_str());
-        close(made);
-        made = -1;
       }
     }
     const std::lock_guard lock(mutex_);
     counts_.evicted += going->size();
   }
-  const Fd file(made);
   if (!file) return false;
   RunningHash hash;
   std::vector<char> piece;
@@ -269,12 +268,12 @@ bool NodeCache::write_copy(const Volume& volume, const std::stop_token& stop) {
     piece.assign(data + at, data + std::min<std::uint64_t>(bytes, at + kPiece));
     hash.add(piece.data(), piece.size());
     seal->apply(piece.data(), piece.size(), at);
-    good = !stop.stop_requested() && write_all(file.get(), piece.data(), piece.size());
+    good = !stop.stop_requested() && write_all(file->get(), piece.data(), piece.size());
   }
   fault_point("copied");
   // Not what the store's header says: read while it was exchanged, or from a broken disk.
   good = good && hash.end() == volume.header.content_hash;
-  mark_used(file.get());
+  mark_used(file->get());
   if (good) {
     // A listing may miss a file whose name changes meanwhile: then its bytes would not be counted.
     const FileLock room(path(kRoomLock), 0);
