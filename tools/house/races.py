@@ -12,7 +12,8 @@ from .says import HouseError, say, step, warn
 
 #: The test programs in which threads meet; all else is pure functions.
 PROGRAMS = ("common_service_test", "api_redis_test", "api_stream_test", "render_thread_pool_test", "render_composite_test",
-            "render_schedule_test", "render_session_test", "render_encode_test", "render_serve_test", "render_grpc_test")
+            "render_schedule_test", "render_session_test", "render_encode_test", "render_serve_test", "render_grpc_test",
+            "operator_kube_test", "operator_objects_test")
 #: A sanitized program is 5 to 15 times slower.
 SECONDS_A_PROGRAM = 1800
 
