@@ -13,6 +13,7 @@ from certificates import issue
 from chart_help import CHART, CHOICES, INNER_TLS, SECRET, pod_specs, rendered, stored, values_file
 from conftest import wait_for
 
+pytestmark = pytest.mark.chosen
 
 
 @pytest.fixture(scope="session")

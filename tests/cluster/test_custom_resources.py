@@ -5,6 +5,7 @@ import json
 
 import pytest
 
+pytestmark = pytest.mark.chosen
 SINCE = "2026-11-22T12:00:00.000000Z"
 
 

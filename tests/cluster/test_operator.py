@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import time
 
+import pytest
 from conftest import wait_for
 from operator_help import GROUP
 
 
+@pytest.mark.chosen
 def test_a_fleet_becomes_workers_and_pods_each_on_its_gpu(cluster):
     nodes = cluster.nodes(2, gpus=2)
     operator = cluster.operator()

@@ -213,6 +213,15 @@ def test_pytest_cases_are_counted_by_their_results():
     assert testing.pytest_count(list(cases)) == testing.Count(1, 2, 1)
 
 
+def test_a_part_of_the_clusters_tests_is_run_where_its_control_plane_is_built():
+    def run(kind, plane):
+        return [suite.kind for suite in testing.suites() if testing.is_run(suite, kind, plane)]
+
+    always = ["unit"] * 4 + ["integration", "e2e"]
+    assert run(None, False) == always and run(None, True) == [*always, testing.CHOSEN]
+    assert run("cluster", True) == ["cluster"] and run("gpu", True) == ["gpu"] and run("unit", True) == ["unit"] * 4
+
+
 # Node
 
 @pytest.mark.parametrize("version, enough", [

@@ -48,6 +48,7 @@ def suites() -> list[Suite]:
         Suite("fuzzing", "unit", _fuzz),
         Suite("integration", "integration", lambda reports: _pytest("integration", reports)),
         Suite("end to end", "e2e", lambda reports: _pytest("e2e", reports)),
+        Suite("Kubernetes, a part", CHOSEN, lambda reports: _pytest("cluster", reports, "-m", "chosen")),
         Suite("Kubernetes", "cluster", lambda reports: _pytest("cluster", reports)),
         Suite("GPU", "gpu", lambda reports: _ctest(["-L", "gpu"], reports)),
     ]
@@ -55,6 +56,15 @@ def suites() -> list[Suite]:
 
 #: Run only when they are asked for: without a device, or the minutes that Kubernetes takes to build, they tell nothing.
 BY_NAME = ("gpu", "cluster")
+#: Of the cluster's tests those that are marked `chosen`: with all others where the control plane is there already.
+CHOSEN = "chosen"
+
+
+def is_run(suite: Suite, kind: str | None, plane: bool) -> bool:
+    """`plane`: Kubernetes' control plane is built."""
+    if suite.kind == CHOSEN:
+        return kind is None and plane
+    return suite.kind == kind or (kind is None and suite.kind not in BY_NAME)
 
 
 def run(kind: str | None, may_install: bool = True, with_checks: bool = False) -> int:
@@ -67,8 +77,12 @@ def run(kind: str | None, may_install: bool = True, with_checks: bool = False) -
             total += _report("quick checks", check.count(slow=False))
         _build(kind)
         reports = _fresh(paths.build_dir() / "reports" / "house")
+        missing = kubernetes.missing()
+        if kind is None and missing:
+            say(f"NOT RUN: the tests on Kubernetes. Its control plane is not built here ({', '.join(missing)}); `./diaphane test cluster` builds it "
+                "once for this person's checkouts (22 minutes on two cores), and from then on a part of them is run here.")
         for suite in suites():
-            if suite.kind == kind or (kind is None and suite.kind not in BY_NAME):
+            if is_run(suite, kind, not missing):
                 total += _report(suite.name, suite.run(reports))
         if with_checks:
             total += _report("slow checks", check.count(slow=True))
@@ -195,7 +209,7 @@ def _vitest(reports: Path) -> Count:
 
 # pytest
 
-def _pytest(folder: str, reports: Path) -> Count:
+def _pytest(folder: str, reports: Path, *selection: str) -> Count:
     tests = paths.REPO / "tests"
     if not any((tests / folder).glob("test_*.py")):
         return Count()
@@ -205,7 +219,7 @@ def _pytest(folder: str, reports: Path) -> Count:
     done = subprocess.run(
         [str(paths.VENV_PYTHON), "-m", "pytest",
          "-c", str(tests / "pytest.ini"), "--rootdir", str(tests), "-q", "--durations=5", f"--junitxml={report}",
-         str(tests / folder)],
+         *selection, str(tests / folder)],
         cwd=tests, env=env, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         errors="replace")
     if done.returncode != 0:
