@@ -170,6 +170,10 @@ Outcome<Principal> Accounts::authenticate(const std::string& token) {
   if (!*found) return refused();
   const WebSession& session = (*found)->session;
   const bool role = (*found)->administrator, factor = (*found)->second_factor;
+  if (role && (now - session.created_at >= options_.administrator_limit ||
+               now - (*found)->used_at >= options_.administrator_idle)) {
+    return refused();
+  }
   Principal principal{session.user_id, false,      (*found)->email, session.csrf_token, false,
                       role && factor,  session.id, factor,          role && !factor};
   if (now - (*found)->used_at > kUseNoted) {

@@ -34,7 +34,10 @@ class Accounts {
     std::string public_url;  ///< origin, for links in mails: "http://127.0.0.1:8080"
     std::chrono::seconds link_life = std::chrono::hours(48);
     std::chrono::seconds session_life = std::chrono::hours(24 * 14);   ///< without use
-    std::chrono::seconds session_limit = std::chrono::hours(24 * 90);  ///< in all
+    std::chrono::seconds session_limit = std::chrono::hours(24 * 30);  ///< in all
+    /// Of who has the administrator's role (ASVS 3.3.2 at level 2).
+    std::chrono::seconds administrator_idle = std::chrono::minutes(30);
+    std::chrono::seconds administrator_limit = std::chrono::hours(12);
     std::chrono::seconds window = std::chrono::minutes(15);
     int failures_by_account = 10;  ///< in `window`
     int failures_by_address = 50;  ///< in `window`

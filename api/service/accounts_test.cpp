@@ -102,12 +102,12 @@ TEST_F(AccountsTest, ASessionSlidesWithUseButNeverBeyondItsLimit) {
   sign_up_and_verify();
   const std::string token = accounts.sign_in(kEmail, kPassword, "", "1.2.3.4")->token;
   EXPECT_FALSE(accounts.authenticate(token)->renewed);
-  for (int day = 0; day < 89; ++day) {
+  for (int day = 0; day < 29; ++day) {
     ASSERT_TRUE(accounts.authenticate(token)) << "day " << day;
     clock.advance(24h);
   }
   EXPECT_TRUE(accounts.authenticate(token));
-  EXPECT_LT(store.extended, 89);  // not a write for each use
+  EXPECT_LT(store.extended, 29);  // not a write for each use
   clock.advance(25h);
   EXPECT_EQ(accounts.authenticate(token).error().kind, ProblemKind::kUnauthenticated);
 }
@@ -117,6 +117,25 @@ TEST_F(AccountsTest, ASessionThatIsNotUsedExpires) {
   const std::string token = accounts.sign_in(kEmail, kPassword, "", "1.2.3.4")->token;
   clock.advance(14 * 24h);
   EXPECT_FALSE(accounts.authenticate(token));
+}
+
+TEST_F(AccountsTest, AnAdministratorSignsInAgainAfterHalfAnHourWithoutUseAndTwelveHoursWithIt) {
+  sign_up_and_verify();
+  const auto signed_in = [&] { return accounts.sign_in(kEmail, kPassword, "", "1.2.3.4")->token; };
+  for (const bool factor : {true, false}) {  // the role alone is enough
+    store.administrator = true;
+    store.second_factor = false;
+    const std::string left = signed_in(), used = signed_in();
+    store.second_factor = factor;
+    for (auto at = 0min; at < 12h; at += 15min) {
+      ASSERT_TRUE(accounts.authenticate(used)) << at.count() << " minutes";
+      clock.advance(15min);
+      if (at == 15min) EXPECT_FALSE(accounts.authenticate(left));
+    }
+    EXPECT_EQ(accounts.authenticate(used).error().kind, ProblemKind::kUnauthenticated);
+    store.administrator = false;
+    EXPECT_TRUE(accounts.authenticate(used)) << "the bound is the role's";
+  }
 }
 
 TEST_F(AccountsTest, APasswordThatWasLongEnoughOnceStillOpensItsAccount) {

@@ -17,6 +17,7 @@ class FakeAccountStore final : public AccountStore {
   std::map<std::string, Account> accounts;            ///< by e-mail key
   std::map<std::string, std::string> tokens;          ///< hash to e-mail key
   std::map<std::string, WebSession> sessions;         ///< by token hash
+  std::map<std::string, Time> used_at;                ///< of a session, by token hash
   std::vector<std::pair<std::string, Time>> attempts;
   std::vector<Mail> mails;
   int extended = 0;
@@ -57,20 +58,25 @@ class FakeAccountStore final : public AccountStore {
   Result<void> open_session(const WebSession& session) override {
     if (away) return gone();
     sessions[session.token_hash] = session;
+    used_at[session.token_hash] = session.created_at;
     return {};
   }
   Result<std::optional<SignedIn>> find_session(const std::string& hash, Time now) override {
     if (away) return gone();
     const auto found = sessions.find(hash);
     if (found == sessions.end() || found->second.expires_at <= now) return std::nullopt;
-    return SignedIn{found->second, "person@example.org", administrator, now, second_factor};
+    return SignedIn{found->second, "person@example.org", administrator, used_at[hash],
+                    second_factor};
   }
   Result<void> extend_session(const std::string& hash, Time expires_at) override {
     sessions.at(hash).expires_at = expires_at;
     ++extended;
     return {};
   }
-  Result<void> touch_session(const std::string&, Time) override { return {}; }
+  Result<void> touch_session(const std::string& hash, Time at) override {
+    used_at[hash] = at;
+    return {};
+  }
   Result<void> close_session(const std::string& hash) override {
     sessions.erase(hash);
     return {};

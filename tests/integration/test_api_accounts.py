@@ -119,7 +119,7 @@ def test_use_keeps_a_browser_signed_in_but_not_for_ever(api):  # noqa: F811
     answer = one.http.get("/v1/me")
     assert "Max-Age=1209600" in answer.headers["set-cookie"]
     assert "set-cookie" not in one.http.get("/v1/me").headers
-    api.psql("""UPDATE web_sessions SET created_at = now() - interval '89 days', expires_at = now() + interval '1 hour'
+    api.psql("""UPDATE web_sessions SET created_at = now() - interval '29 days', expires_at = now() + interval '1 hour'
                 WHERE user_id = %s""", me)
     one.http.get("/v1/me")
     [(left,)] = api.psql("SELECT extract(epoch FROM expires_at - now())::float FROM web_sessions WHERE user_id = %s", me)
