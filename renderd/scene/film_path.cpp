@@ -14,8 +14,6 @@ namespace {
 
 namespace v1 = diaphane::v1;
 
-constexpr std::uint32_t kShortestSide = 16;
-constexpr double kLeastError = 0.005;
 
 /// A rotation: from the camera's axes to the world.
 struct Quaternion {
@@ -134,7 +132,7 @@ std::vector<Pose> poses_of(const std::vector<v1::Scene>& keys) {
 }
 
 Result<void> check_side(std::uint32_t side, const char* field) {
-  if (side >= kShortestSide && side <= kLongestFilmSide && side % 2 == 0) return {};
+  if (side >= kShortestFileSide && side <= kLongestFilmSide && side % 2 == 0) return {};
   return fail(ErrorCode::kInvalid, "A film is 16 to 1920 pixels wide and high, an even number.",
               field);
 }
@@ -181,7 +179,7 @@ Result<void> check_film(const v1::Film& film, const std::vector<v1::Scene>& keys
   }
   if (const auto sound = check_side(film.width(), "width"); !sound) return sound;
   if (const auto sound = check_side(film.height(), "height"); !sound) return sound;
-  if (!(film.error() >= kLeastError && film.error() <= 1)) {
+  if (!(film.error() >= kLeastFileError && film.error() <= 1)) {
     return fail(ErrorCode::kInvalid, "The error of a frame is 0.005 to 1.", "error");
   }
   const bool tour = film.path() == v1::Film::TOUR;

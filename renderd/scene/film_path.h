@@ -11,6 +11,9 @@
 
 namespace diaphane::render {
 
+/// Of a frame, and of a large picture.
+inline constexpr std::uint32_t kShortestFileSide = 16;
+inline constexpr double kLeastFileError = 0.005;
 inline constexpr std::size_t kMostKeyViews = 16;
 inline constexpr std::uint32_t kLongestFilmSide = 1920;
 inline constexpr std::uint32_t kLongestFilmSeconds = 60;

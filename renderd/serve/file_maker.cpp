@@ -16,8 +16,6 @@ namespace v1 = diaphane::v1;
 
 constexpr std::uint32_t kMostSamples = 1 << 16;
 constexpr std::uint32_t kFewestSamples = 16;  // below it no estimate of the error is trusted
-constexpr double kLeastError = 0.005;
-constexpr std::uint32_t kShortestSide = 16;
 /// Of the small picture that tells how many samples a large one needs.
 constexpr std::uint32_t kTrialSide = 768;
 constexpr int kPngLevelOfFiles = 6;  // made once, kept for long
@@ -114,11 +112,11 @@ Result<std::unique_ptr<FileMaker>> film_maker(const v1::Film& film, std::vector<
 Result<std::unique_ptr<FileMaker>> picture_maker(const v1::LargePicture& picture,
                                                  std::vector<v1::Scene> keys) {
   for (const std::uint32_t side : {picture.width(), picture.height()}) {
-    if (side < kShortestSide || side > kLongestCanvas) {
+    if (side < kShortestFileSide || side > kLongestCanvas) {
       return fail(ErrorCode::kInvalid, "A picture is 16 to 16384 pixels wide and high.", "width");
     }
   }
-  if (!(picture.error() >= kLeastError && picture.error() <= 1)) {
+  if (!(picture.error() >= kLeastFileError && picture.error() <= 1)) {
     return fail(ErrorCode::kInvalid, "The error of a picture is 0.005 to 1.", "error");
   }
   if (keys.empty()) return fail(ErrorCode::kInvalid, "Nothing is said to be seen.", "keys");
