@@ -4,18 +4,11 @@
 
 namespace diaphane::kube {
 
-void WorkQueue::add(const std::string& key, Time due) {
+void WorkQueue::put(const std::string& key, Time due) {
   if (const auto failure = failures_.find(key); failure != failures_.end()) {
     due = std::max(due, failure->second.until);
   }
-  auto& where = taken_.contains(key) ? again_ : due_;
-  const auto [at, added] = where.emplace(key, due);
-  if (!added) at->second = std::min(at->second, due);
-}
-
-void WorkQueue::put(const std::string& key, Time due) {
-  due_.erase(key);
-  add(key, due);
+  (taken_.contains(key) ? again_ : due_).insert_or_assign(key, due);
 }
 
 std::optional<std::string> WorkQueue::take(Time now) {
@@ -33,7 +26,7 @@ void WorkQueue::done(const std::string& key) {
   if (const auto again = again_.find(key); again != again_.end()) {
     const Time due = again->second;
     again_.erase(again);
-    add(key, due);
+    put(key, due);
   }
 }
 
@@ -44,9 +37,7 @@ void WorkQueue::failed(const std::string& key, Time now) {
   if (failure.count < 18) pause = std::min(kLongest, kFirst * (1 << failure.count));
   ++failure.count;
   failure.until = now + pause;
-  // Nothing that waits for it may come before its pause is over.
-  due_.erase(key);
-  add(key, failure.until);
+  put(key, failure.until);
 }
 
 std::optional<WorkQueue::Time> WorkQueue::next() const {

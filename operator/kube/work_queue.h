@@ -8,8 +8,8 @@
 
 namespace diaphane::kube {
 
-/// Keys of objects that something is to be done about. A key is with one worker at a time; added
-/// again meanwhile it comes once more when that one is done; added twice before it is taken it
+/// Keys of objects that something is to be done about. A key is with one worker at a time; put
+/// again meanwhile it comes once more when that one is done; put twice before it is taken it
 /// comes once. What fails comes back later and later, each key by its own count. Times are
 /// arguments.
 class WorkQueue {
@@ -18,13 +18,11 @@ class WorkQueue {
   static constexpr std::chrono::milliseconds kFirst{5};
   static constexpr std::chrono::milliseconds kLongest{1000000};
 
-  /// Due at once, or at `due`; of two times the earlier holds. A key that failed keeps its pause.
-  void add(const std::string& key, Time due);
-  /// As add, but at `due` even if it was to come before.
+  /// Due at `due`, whenever it was to come before. A key that failed keeps its pause.
   void put(const std::string& key, Time due);
   /// What has been due for longest; whoever takes it says done, failed or both.
   std::optional<std::string> take(Time now);
-  /// Not taken any more. Comes again if it was added meanwhile.
+  /// Not taken any more. Comes again if it was put in meanwhile.
   void done(const std::string& key);
   /// It is to be tried again after its pause: 5 ms, doubled up to 1000 s.
   void failed(const std::string& key, Time now);
@@ -43,7 +41,7 @@ class WorkQueue {
   };
   std::map<std::string, Time> due_;
   std::set<std::string> taken_;
-  std::map<std::string, Time> again_;  ///< added while taken
+  std::map<std::string, Time> again_;  ///< put in while taken
   std::map<std::string, Failure> failures_;
 };
 

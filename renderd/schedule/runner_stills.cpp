@@ -49,8 +49,7 @@ void Runner::render_still(Turn& turn, Signs::Work& signs) {
   }
   const auto batch = job.renderer->render(turn.samples, [&] {
     signs.alive();
-    return stopping_ || !still_may_run(job.rank, moving_) ||
-           (job.cancelled && job.cancelled());
+    return stopping_ || !still_may_run(job.rank, moving_) || (job.cancelled && job.cancelled());
   });
   turn.render_seconds = seconds_between(start, clock_.now());
   if (batch && job.took) job.took(own_seconds() - before + batch->helped_seconds);
