@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import io
-import socket
 import subprocess
 import tarfile
-import time
 
 import pytest
 from hostile.canary_scan import CanaryScan
@@ -16,43 +14,13 @@ from canaries import Search
 from house import clamav
 
 PROGRAMS = ("postgres", "redis", "api", "ingestd")
-# In two parts, so that no scanner takes this file for one.
-EICAR = rb"X5O!P%@AP[4\PZX54(P^)7CC)7}$" + b"EICAR-STANDARD-ANTIVIRUS-TEST-FILE!$H+H*"
-
-
-class Daemon:
-    """clamd, by an ordinary user, in a folder of its own."""
-
-    def __init__(self, house):
-        if not clamav.CLAMD.exists():
-            pytest.fail(f"{clamav.CLAMD} is not there; ./diaphane test fetches it")
-        self.house, self.folder = house, house.folder()
-        self.path = self.folder / "s"
-        (self.folder / "test.ndb").write_text(f"Eicar-Test:0:*:{EICAR.hex()}\n")
-        (self.folder / "clamd.conf").write_text(f"LocalSocket {self.path}\nDatabaseDirectory {self.folder}\nTemporaryDirectory {self.folder}\n"
-                                                "Foreground yes\nFixStaleSocket yes\n")
-        for file in self.folder.iterdir():
-            house.run_as.own(file)
-
-    def start(self) -> None:
-        self.path.unlink(missing_ok=True)
-        self.process = subprocess.Popen([str(clamav.CLAMD), "-c", str(self.folder / "clamd.conf")], env=clamav.environment(), stdout=subprocess.DEVNULL,
-                                        **self.house.run_as.popen())
-        for _ in range(600):
-            with socket.socket(socket.AF_UNIX) as one:
-                if one.connect_ex(str(self.path)) == 0:
-                    return
-            time.sleep(0.1)
-        pytest.fail("clamd does not listen")
-
-    def kill(self) -> None:
-        self.process.kill()
-        self.process.wait()
 
 
 @pytest.fixture
 def daemon(stack_house):
-    one = Daemon(stack_house)
+    if not clamav.CLAMD.exists():
+        pytest.fail(f"{clamav.CLAMD} is not there; ./diaphane test fetches it")
+    one = clamav.Daemon(stack_house.run_as, stack_house.folder())
     one.start()
     yield one
     one.kill()
@@ -83,7 +51,7 @@ def test_what_is_infected_is_refused_and_what_is_not_looked_at_too(stack_factory
     scan = CanaryScan()
     good = scan.upload()
     # A file that is nothing else; in the middle of a slice; behind what ends a tar.
-    for infected in (with_file(good, EICAR), good.replace(b"SV10", b"SV10" + EICAR, 1), good + bytes(1024) + EICAR):
+    for infected in (with_file(good, clamav.EICAR), good.replace(b"SV10", b"SV10" + clamav.EICAR, 1), good + bytes(1024) + clamav.EICAR):
         data_set = enqueue(stack, infected)
         ended, code, words = wait_end(stack, data_set)
         assert (ended, code) == ("refused", "infected") and "harmful" in words and "Nothing of it was kept" in words

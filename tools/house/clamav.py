@@ -1,20 +1,53 @@
-"""ClamAV's daemon for the test of it: unpacked, not installed, so that the machine has no service more and looks for no signatures."""
+"""ClamAV's daemon for the test and the measurement of it: unpacked, not installed, so that the machine has no service more and looks for no signatures."""
 
 from __future__ import annotations
 
 import os
 import shutil
+import socket
 import subprocess
 import tempfile
+import time
 from pathlib import Path
 
 from . import packages, paths
 from .says import HouseError, say, step
+from .users import RunAs
 
 FOLDER = paths.REPO / ".tools" / "clamav"
 _PACKAGES = ("clamav-daemon", "libclamav12", "libmspack0")
 _LIBRARIES = FOLDER / "usr" / "lib" / "x86_64-linux-gnu"
 CLAMD = FOLDER / "usr" / "sbin" / "clamd"
+#: In two parts, so that no scanner takes this file for one.
+EICAR = rb"X5O!P%@AP[4\PZX54(P^)7CC)7}$" + b"EICAR-STANDARD-ANTIVIRUS-TEST-FILE!$H+H*"
+
+
+class Daemon:
+    """clamd by an ordinary user, in a folder of its own, with one signature: that of EICAR's test file."""
+
+    def __init__(self, run_as: RunAs, folder: Path):
+        self.run_as, self.folder = run_as, folder
+        self.path = folder / "s"
+        (folder / "test.ndb").write_text(f"Eicar-Test:0:*:{EICAR.hex()}\n", encoding="ascii")
+        (folder / "clamd.conf").write_text(f"LocalSocket {self.path}\nDatabaseDirectory {folder}\nTemporaryDirectory {folder}\n"
+                                           "Foreground yes\nFixStaleSocket yes\n", encoding="ascii")
+        for file in (folder, *folder.iterdir()):
+            run_as.own(file)
+
+    def start(self) -> None:
+        self.path.unlink(missing_ok=True)
+        self.process = subprocess.Popen([str(CLAMD), "-c", str(self.folder / "clamd.conf")], env=environment(), stdout=subprocess.DEVNULL,
+                                        **self.run_as.popen())
+        for _ in range(600):
+            with socket.socket(socket.AF_UNIX) as one:
+                if one.connect_ex(str(self.path)) == 0:
+                    return
+            time.sleep(0.1)
+        raise HouseError("clamd does not listen")
+
+    def kill(self) -> None:
+        self.process.kill()
+        self.process.wait()
 
 
 def environment() -> dict[str, str]:
