@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import json
 from dataclasses import dataclass
 
 from playwright.sync_api import Page
@@ -26,6 +27,21 @@ def facts(page: Page) -> Facts:
     values = page.locator("canvas").evaluate("(c) => [c.dataset.epoch, c.dataset.inputSeq, c.dataset.samples, c.dataset.error]")
     epoch, input_seq, samples, error = (value or "0" for value in values)
     return Facts(int(epoch), int(input_seq), int(samples), float(error))
+
+
+def kept_view(page: Page) -> dict:
+    """What this tab would begin with after a reload: session_id, scene (JSON), input_seq of the last input."""
+    # Input is taken at the next frame, and kept a moment later or as soon as the page may be about to go.
+    return json.loads(page.evaluate("""async () => {
+        for (let frames = 0; frames < 2; ++frames)
+            await Promise.race([new Promise(requestAnimationFrame), new Promise((over) => setTimeout(over, 500))]);
+        dispatchEvent(new PageTransitionEvent("pagehide"));
+        return Object.entries(sessionStorage).find(([name]) => name.startsWith("diaphane.view."))?.[1] ?? "{}";
+    }"""))
+
+
+def last_input(page: Page) -> int:
+    return kept_view(page).get("input_seq", 0)
 
 
 #: In the page: a canvas or picture scaled to side x side, RGB in base64. Scaling averages the noise of single pixels away.

@@ -57,7 +57,7 @@ class Eye:
 
 
 def settled(hands: Hands) -> None:
-    """A picture that was let go of moves on for a moment."""
+    """Nothing of what was done is still on its way."""
     def still() -> bool:
         before = hands.kept()
         hands.page.wait_for_timeout(300)

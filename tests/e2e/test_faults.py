@@ -9,7 +9,7 @@ from playwright.sync_api import expect
 
 from harness import StackHouse, TestStack
 from person import Person
-from picture import difference, drag, facts, pixels, wait_for_samples
+from picture import difference, drag, last_input, pixels, wait_for_samples
 
 ENOUGH = 2  # samples a pixel
 SAID = "Diaphane cannot be reached. Trying again…"
@@ -36,9 +36,9 @@ def test_a_killed_program_is_said_and_when_it_is_back_all_goes_on_by_itself(shak
     if program == "api":
         expect(page.get_by_role("status").get_by_text(SAID)).to_be_visible()
     drag(page, -260, 40)  # without Redis or Postgres the picture follows; without api, when that is back
-    at = facts(page)
+    last = last_input(page)
     if program != "api":
-        wait_for_samples(stack, page, ENOUGH, input_seq=at.input_seq + 1)
+        wait_for_samples(stack, page, ENOUGH, input_seq=last)
         expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")
     late = page.context.new_page()
     late.goto(f"{stack.url}/view/{scan}")
@@ -48,7 +48,7 @@ def test_a_killed_program_is_said_and_when_it_is_back_all_goes_on_by_itself(shak
     expect(late.locator(".viewer-status")).to_have_attribute("data-phase", "live")
     late.close()
     expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")
-    turned = wait_for_samples(stack, page, ENOUGH, input_seq=at.input_seq + 1)
+    turned = wait_for_samples(stack, page, ENOUGH, input_seq=last)
     seen = pixels(page)
     page.reload()
     wait_for_samples(stack, page, ENOUGH, input_seq=turned.input_seq)

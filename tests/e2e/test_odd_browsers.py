@@ -10,7 +10,7 @@ from playwright.sync_api import Browser, Page, expect
 from harness import StackHouse, TestStack
 from house import chromium, plan
 from person import PATIENCE_MS, Person
-from picture import ALIKE, difference, drag, facts, pixels, spread, wait_for_samples
+from picture import ALIKE, difference, drag, facts, kept_view, pixels, spread, wait_for_samples
 
 #: As a browser is where storage is blocked: even looking at it throws.
 NO_STORAGE = """for (const name of ["localStorage", "sessionStorage"])
@@ -128,7 +128,7 @@ def test_a_lost_gpu_and_a_window_of_no_size_leave_the_same_picture(stack: TestSt
 
 def test_a_file_that_is_no_preset_is_refused_in_words(stack: TestStack, visit, owner):
     page = opened(visit, stack, owner)
-    scene = page.evaluate("Object.entries(sessionStorage).find(([k]) => k.startsWith('diaphane.view.'))?.[1]")
+    scene = kept_view(page)["scene"]
     dialog = page.get_by_role("dialog")
 
     def open_anew() -> None:
@@ -152,4 +152,4 @@ def test_a_file_that_is_no_preset_is_refused_in_words(stack: TestStack, visit, o
     dialog.get_by_label("Open a preset file").set_input_files({"name": "f.xml", "mimeType": "application/xml", "buffer": b" " * 300_000})
     expect(dialog.get_by_text("This file is too large to be a preset.")).to_be_visible()
     expect(dialog.get_by_text("No presets yet")).to_be_visible()
-    assert page.evaluate("Object.entries(sessionStorage).find(([k]) => k.startsWith('diaphane.view.'))?.[1]") == scene
+    assert kept_view(page)["scene"] == scene

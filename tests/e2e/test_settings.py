@@ -9,7 +9,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import SIDE, pixels, spread, wait_for_samples
+from picture import SIDE, kept_view, pixels, spread, wait_for_samples
 
 SAMPLES = 6  # halves of the picture are means of a hundred thousand pixels
 
@@ -28,14 +28,8 @@ class Hands:
 
     def kept(self) -> tuple[str, int]:
         """The scene as the page would show it after a reload, and the number of the input that said it."""
-        # The page keeps it a moment later than it is, or as soon as it may be about to go.
-        scene, seq = self.page.evaluate("""() => {
-            dispatchEvent(new PageTransitionEvent("pagehide"));
-            const kept = Object.entries(sessionStorage).find(([name]) => name.startsWith("diaphane.view."));
-            const { scene, input_seq } = JSON.parse(kept?.[1] ?? "{}");
-            return [scene ?? "", input_seq ?? 0];
-        }""")
-        return scene, seq
+        view = kept_view(self.page)
+        return view.get("scene") or "", view.get("input_seq", 0)
 
     def act(self, deed: Callable[[], None]) -> None:
         """Until the page has another scene for it."""

@@ -11,7 +11,7 @@ from playwright.sync_api import Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import SHRINK, SIDE, difference, drag, facts, pixels, spread, wait_for_samples
+from picture import SHRINK, SIDE, difference, drag, facts, last_input, pixels, spread, wait_for_samples
 
 PNG = b"\x89PNG\r\n\x1a\n"
 #: Mean difference of a channel, of 255, between two renderings of one view: 2 % and 5 % of noise, averaged over SIDE x SIDE boxes.
@@ -62,7 +62,7 @@ def test_a_picture_is_rendered_to_be_saved_while_the_live_one_goes_on(stack: Tes
     page.goto(f"{stack.url}/view/{scan}")
     wait_for_samples(stack, page, 8)
     drag(page, 60, 0)
-    stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq > 0, what="another view")
+    wait_for_samples(stack, page, 1, input_seq=last_input(page))
 
     assert sessions(page) == 1
     page.keyboard.press("s")
@@ -93,7 +93,7 @@ def test_a_picture_is_rendered_to_be_saved_while_the_live_one_goes_on(stack: Tes
     assert set(chunks(png)) <= {"IHDR", "sRGB", "gAMA", "IDAT", "IEND"}, chunks(png)
     assert b"Mustermann" not in png and scan.encode() not in png
     expect(page.get_by_text("The picture is saved.")).to_be_visible()
-    wait_for_samples(stack, page, 32, input_seq=facts(page).input_seq)
+    wait_for_samples(stack, page, 32, input_seq=last_input(page))
     width, height, taken = shrunk(page, png)
     live = pixels(page)
     assert (width, height) == (360, 240)
@@ -123,16 +123,14 @@ def test_a_link_shows_the_same_to_whoever_may_see_it_and_to_nobody_else(stack: T
     usual = pixels(page)
     page.get_by_role("button", name="Bone", exact=True).click()
     drag(page, 90, 20)
-    stack.wait_until(lambda: page.wait_for_timeout(50) or facts(page).input_seq > 1, what="another view")
-    wait_for_samples(stack, page, 16, input_seq=facts(page).input_seq)
-    page.wait_for_timeout(300)
+    wait_for_samples(stack, page, 16, input_seq=last_input(page))
     page.keyboard.press("s")
     field = page.get_by_label("The link")
     expect(field).to_have_value(re.compile(r"#view="))
     link = field.input_value()
     assert link.startswith(f"{stack.url}/view/{scan}#view=1.") and len(link) < 2048
     page.keyboard.press("Escape")
-    wait_for_samples(stack, page, 16, input_seq=facts(page).input_seq)
+    wait_for_samples(stack, page, 16, input_seq=last_input(page))
     shown = pixels(page)
     assert difference(usual, shown) > 2 * ALIKE
 

@@ -8,7 +8,7 @@ from playwright.sync_api import Page, expect
 
 from harness import TestStack
 from person import PATIENCE_MS, Person
-from picture import drag, facts, wait_for_samples
+from picture import drag, kept_view, last_input, wait_for_samples
 
 
 def test_a_duplicated_window_takes_the_picture_over_until_it_is_asked_back(stack: TestStack, visit, cranium: Path):
@@ -20,16 +20,17 @@ def test_a_duplicated_window_takes_the_picture_over_until_it_is_asked_back(stack
 
     # What "Duplicate" in a browser does: the new window begins with what the old one remembers. (window.open would too,
     # but a window of its own does not always take the mouse in a headless browser.)
+    assert kept_view(first)["session_id"]
     remembered = first.evaluate("JSON.stringify(sessionStorage)")
     second = first.context.new_page()
     second.set_default_timeout(PATIENCE_MS)
     second.add_init_script(f"if (sessionStorage.length === 0) Object.assign(sessionStorage, {remembered})")
     second.goto(first.url)
     wait_for_samples(stack, second, 1)
-    assert session_of(first) == session_of(second)
+    assert kept_view(first)["session_id"] == kept_view(second)["session_id"]
     expect(first.get_by_role("status")).to_contain_text("This picture goes on in another window.")
     drag(second, 200, 0)
-    wait_for_samples(stack, second, 2, input_seq=facts(second).input_seq + 1)
+    wait_for_samples(stack, second, 2, input_seq=last_input(second))
     expect(first.locator(".viewer-status")).to_have_attribute("data-phase", "elsewhere")  # it does not take it back by itself
 
     first.get_by_role("button", name="Continue here").click()
@@ -37,8 +38,4 @@ def test_a_duplicated_window_takes_the_picture_over_until_it_is_asked_back(stack
     expect(first.get_by_role("button", name="Continue here")).to_have_count(0)
     expect(second.get_by_role("status")).to_contain_text("This picture goes on in another window.")
     drag(first, -100, 0)
-    wait_for_samples(stack, first, 2, input_seq=facts(first).input_seq + 1)
-
-
-def session_of(page: Page) -> str:
-    return page.evaluate("JSON.parse(Object.entries(sessionStorage).find(([k]) => k.startsWith('diaphane.view.'))[1]).session_id")
+    wait_for_samples(stack, first, 2, input_seq=last_input(first))

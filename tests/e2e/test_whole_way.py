@@ -10,7 +10,7 @@ from playwright.sync_api import expect
 from canaries import canaries_below, canaries_in
 from harness import TestStack
 from person import Person
-from picture import difference, drag, facts, pixels, spread, wait_for_samples
+from picture import difference, drag, facts, kept_view, last_input, pixels, spread, wait_for_samples
 
 ENOUGH = 8  # samples a pixel: at 128 x 128 their noise is far below what a turn changes
 
@@ -48,20 +48,20 @@ def test_a_person_sees_turns_and_finds_again_the_own_scan(stack: TestStack, visi
     # A drag changes it by more than its noise.
     before = facts(page)
     drag(page, 220, 60)
-    turned = wait_for_samples(stack, page, ENOUGH, input_seq=before.input_seq + 1)
+    turned = wait_for_samples(stack, page, ENOUGH, input_seq=last_input(page))
     second = pixels(page)
     assert turned.epoch > before.epoch
     assert difference(first, second) > 5 * max(noise, 0.2)
     page.screenshot(path=pictures / "turned.png")
 
     # Reloaded, one is where one was: the same session goes on with what it had.
-    session = page.evaluate("JSON.parse(Object.entries(sessionStorage).find(([k]) => k.startsWith('diaphane.view.'))[1]).session_id")
-    last_input = facts(page).input_seq
+    session = kept_view(page)["session_id"]
+    last = last_input(page)
     page.reload()
-    again = wait_for_samples(stack, page, ENOUGH, input_seq=last_input)
-    assert again.input_seq == last_input
+    again = wait_for_samples(stack, page, ENOUGH, input_seq=last)
+    assert again.input_seq == last
     assert difference(second, pixels(page)) < 0.4 * difference(first, second)
-    assert session == page.evaluate("JSON.parse(Object.entries(sessionStorage).find(([k]) => k.startsWith('diaphane.view.'))[1]).session_id")
+    assert session == kept_view(page)["session_id"]
 
 
 def test_a_second_person_sees_none_of_it(stack: TestStack, visit, cranium: Path):
@@ -128,7 +128,7 @@ def test_a_lost_renderer_is_said_and_mended_to_the_same_picture(stack_factory, v
     page = person.page
     wait_for_samples(stack, page, 2)
     drag(page, -260, 40)
-    turned = wait_for_samples(stack, page, ENOUGH, input_seq=facts(page).input_seq + 1)
+    turned = wait_for_samples(stack, page, ENOUGH, input_seq=last_input(page))
     before = pixels(page)
 
     stack.kill("renderd")
