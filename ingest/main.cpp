@@ -51,8 +51,7 @@ std::optional<ingest::CheckedBuilder::Options> read_antivirus(ConfigReader& in) 
                      "longest stream for clamd, MiB; at most its StreamMaxLength", 1, 2048, 25))
       << 20;
   wire::InnerTls tls;
-  tls.plain_allowed = in.one_of("inner-plain", "1: another machine may be reached without TLS",
-                                {"0", "1"}, "0") == "1";
+  tls.plain_allowed = wire::read_plain_allowed(in);
   const std::string& address = options.clamd.address;
   if (address.empty()) return std::nullopt;
   if (!address.starts_with('/')) {

@@ -38,6 +38,11 @@ Result<void> check(const TlsFiles& files) {
   return {};
 }
 
+bool read_plain_allowed(ConfigReader& in) {
+  return in.one_of("inner-plain", "1: other machines may be reached without TLS", {"0", "1"},
+                   "0") == "1";
+}
+
 InnerTls read_inner_tls(ConfigReader& in) {
   InnerTls tls;
   tls.files.ca = in.text("inner-tls-ca", "PEM: who signs the certificates of our own programs", "");
@@ -46,8 +51,7 @@ InnerTls read_inner_tls(ConfigReader& in) {
   tls.name =
       in.text("inner-tls-name",
               "name that a gRPC server's certificate must have; empty: its address's host", "");
-  tls.plain_allowed = in.one_of("inner-plain", "1: other machines may be reached without TLS",
-                                {"0", "1"}, "0") == "1";
+  tls.plain_allowed = read_plain_allowed(in);
   const int given = static_cast<int>(!tls.files.ca.empty()) +
                     static_cast<int>(!tls.files.certificate.empty()) +
                     static_cast<int>(!tls.files.key.empty());

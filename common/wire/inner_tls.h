@@ -28,6 +28,9 @@ struct InnerTls {
   bool on() const { return !files.ca.empty(); }
 };
 
+/// Setting inner-plain alone, of a program that has no TLS of its own.
+bool read_plain_allowed(ConfigReader& in);
+
 /// Settings inner-tls-ca, inner-tls-certificate, inner-tls-key, inner-tls-name, inner-plain. Files
 /// that are not there, are none, or do not fit together are mistakes.
 InnerTls read_inner_tls(ConfigReader& in);
