@@ -4,56 +4,16 @@
 
 #include <future>
 
+#include "renderd/schedule/eventually.h"
 #include "renderd/schedule/fake_engine.h"
 #include "renderd/schedule/marginal_gain.h"
 #include "renderd/schedule/runner.h"
+#include "renderd/schedule/test_client.h"
 
 namespace diaphane::render {
 namespace {
 
 using namespace std::chrono_literals;
-
-class Person final : public RenderClient {
- public:
-  explicit Person(const Clock& clock) : clock_(clock) { turn(1); }
-  void turn(double angle) {
-    const std::lock_guard lock(mutex_);
-    auto scene = std::make_shared<v1::Scene>();
-    scene->mutable_camera()->mutable_eye()->set_x(angle);
-    wanted_.viewport = {64, 64};
-    wanted_.scene = std::move(scene);
-    wanted_.last_input = clock_.now();
-    ++wanted_.input_seq;
-    version_ = ++wanted_.version;
-  }
-  Wanted wanted() override {
-    const std::lock_guard lock(mutex_);
-    return wanted_;
-  }
-  std::uint64_t version() const noexcept override { return version_; }
-  void began(std::uint64_t, const Wanted&) override {}
-  void refused(const Wanted&, const Error&) override {}
-  void rendered(const Batch& batch) override { samples += batch.samples; }
-  void picture(RenderedPicture) override { ++pictures; }
-  void failed(const Error&) override {}
-  std::atomic<std::uint64_t> samples{0};
-  std::atomic<int> pictures{0};
-
- private:
-  const Clock& clock_;
-  std::mutex mutex_;
-  Wanted wanted_;
-  std::atomic<std::uint64_t> version_{0};
-};
-
-bool eventually(const std::function<bool()>& holds, std::chrono::milliseconds within = 10s) {
-  const auto end = std::chrono::steady_clock::now() + within;
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(1ms);
-  }
-  return true;
-}
 
 struct RunnerFilesTest : testing::Test {
   /// One of which each sample takes as long as its device says.
@@ -70,8 +30,8 @@ struct RunnerFilesTest : testing::Test {
     };
     return job;
   }
-  std::shared_ptr<Person> person() {
-    auto made = std::make_shared<Person>(clock);
+  std::shared_ptr<TestClient> person() {
+    auto made = std::make_shared<TestClient>(clock, Canvas{64, 64});
     runner.add(made, std::make_unique<FakeRenderer>(sessions, nullptr), 0);
     return made;
   }
@@ -93,7 +53,7 @@ TEST_F(RunnerFilesTest, AFileRendersNothingWhileSomebodyMovesAndGoesOnAtRest) {
   const auto one = person();
   runner.wake();
   // The sample under way is cut short: the first picture waits for it no longer than for a quantum.
-  ASSERT_TRUE(eventually([&] { return one->pictures > 0; }, 900ms));
+  ASSERT_TRUE(eventually([&] { return !one->pictures().empty(); }, 900ms));
   int beside = 0;
   for (int i = 0; i < 50; ++i) {
     one->turn(i + 2);
@@ -128,7 +88,7 @@ TEST_F(RunnerFilesTest, AFileGoesBehindStillsThatCameLater) {
 
 TEST_F(RunnerFilesTest, WhileOneIsFinishedTheSessionsGoOn) {
   const auto one = person();
-  ASSERT_TRUE(eventually([&] { return one->pictures > 0; }));
+  ASSERT_TRUE(eventually([&] { return !one->pictures().empty(); }));
   files->holds_pictures = true;
   std::promise<double> done;
   auto finished = done.get_future();
@@ -137,12 +97,13 @@ TEST_F(RunnerFilesTest, WhileOneIsFinishedTheSessionsGoOn) {
   runner.submit(std::move(large));
   ASSERT_TRUE(eventually([&] { return files->making_pictures > 0; }));
   const std::uint64_t samples = one->samples;
-  const int pictures = one->pictures;
+  const std::size_t pictures = one->pictures().size();
   one->turn(2);
   runner.wake();
-  EXPECT_TRUE(eventually([&] { return one->samples > samples && one->pictures > pictures; }));
+  EXPECT_TRUE(
+      eventually([&] { return one->samples > samples && one->pictures().size() > pictures; }));
   const auto late = person();  // who comes meanwhile
-  EXPECT_TRUE(eventually([&] { return late->pictures > 0; }));
+  EXPECT_TRUE(eventually([&] { return !late->pictures().empty(); }));
   EXPECT_EQ(finished.wait_for(0s), std::future_status::timeout);
   files->holds_pictures = false;
   ASSERT_EQ(finished.wait_for(10s), std::future_status::ready);

@@ -5,110 +5,17 @@
 #include <future>
 
 #include "renderd/schedule/canvas.h"
+#include "renderd/schedule/eventually.h"
 #include "renderd/schedule/fake_engine.h"
 #include "renderd/schedule/marginal_gain.h"
 #include "renderd/schedule/round_robin.h"
+#include "renderd/schedule/test_client.h"
 
 namespace diaphane::render {
 namespace {
 
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
-
-class Viewer final : public RenderClient {
- public:
-  explicit Viewer(const Clock& clock, Canvas viewport = {100, 100}) : clock_(clock) {
-    wanted_.viewport = viewport;
-    turn(1);
-  }
-
-  void turn(double angle) {
-    const std::lock_guard lock(mutex_);
-    auto scene = std::make_shared<v1::Scene>();
-    scene->mutable_camera()->mutable_eye()->set_x(angle);
-    wanted_.scene = std::move(scene);
-    wanted_.last_input = clock_.now();
-    ++wanted_.input_seq;
-    version_ = ++wanted_.version;
-  }
-  void show(bool visible) {
-    const std::lock_guard lock(mutex_);
-    wanted_.visible = visible;
-  }
-  void no_room() {
-    const std::lock_guard lock(mutex_);
-    wanted_.room = false;
-  }
-  void again() {
-    const std::lock_guard lock(mutex_);
-    wanted_.picture_again = true;
-  }
-
-  Wanted wanted() override {
-    const std::lock_guard lock(mutex_);
-    Wanted wanted = wanted_;
-    wanted_.picture_again = false;
-    return wanted;
-  }
-  std::uint64_t version() const noexcept override { return version_; }
-  void began(std::uint64_t epoch, const Wanted&) override { began_epoch = epoch; }
-  void refused(const Wanted&, const Error& why) override {
-    const std::lock_guard lock(mutex_);
-    refusals.push_back(why);
-  }
-  void rendered(const Batch& batch) override {
-    samples += batch.samples;
-    const std::lock_guard lock(mutex_);
-    charged_ += batch.seconds;
-  }
-  void picture(RenderedPicture picture) override {
-    const std::lock_guard lock(mutex_);
-    pictures_.push_back(std::move(picture));
-  }
-  void failed(const Error& why) override {
-    const std::lock_guard lock(mutex_);
-    failures.push_back(why);
-  }
-
-  std::vector<RenderedPicture> pictures() {
-    const std::lock_guard lock(mutex_);
-    return pictures_;
-  }
-  double charged() {
-    const std::lock_guard lock(mutex_);
-    return charged_;
-  }
-  std::size_t refusal_count() {
-    const std::lock_guard lock(mutex_);
-    return refusals.size();
-  }
-  std::size_t failure_count() {
-    const std::lock_guard lock(mutex_);
-    return failures.size();
-  }
-
-  std::atomic<std::uint64_t> samples{0};
-  std::atomic<std::uint64_t> began_epoch{0};
-  std::vector<Error> refusals;
-  std::vector<Error> failures;
-
- private:
-  const Clock& clock_;
-  std::mutex mutex_;
-  Wanted wanted_;
-  std::atomic<std::uint64_t> version_{0};
-  std::vector<RenderedPicture> pictures_;
-  double charged_ = 0;  // seconds
-};
-
-bool eventually(const std::function<bool()>& holds, std::chrono::milliseconds within = 5000ms) {
-  const auto end = steady_clock::now() + within;
-  while (!holds()) {
-    if (steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(1ms);
-  }
-  return true;
-}
 
 struct RunnerTest : testing::Test {
   std::shared_ptr<FakeDevice> device = std::make_shared<FakeDevice>();
@@ -118,8 +25,8 @@ struct RunnerTest : testing::Test {
       std::make_unique<RoundRobin>(), clock,
       Runner::Options{.rules = {0.1, 4, 1 << 20}, .device_lost = [this](const Error&) { ++lost; }}};
 
-  std::shared_ptr<Viewer> viewer(Canvas viewport = {100, 100}) {
-    auto made = std::make_shared<Viewer>(clock, viewport);
+  std::shared_ptr<TestClient> viewer(Canvas viewport = {100, 100}) {
+    auto made = std::make_shared<TestClient>(clock, viewport);
     handle = runner.add(made, std::make_unique<FakeRenderer>(device, nullptr), 1000);
     return made;
   }
@@ -306,9 +213,9 @@ struct TogetherTest : testing::Test {
     options.rules = {.target_error = 0.1, .fewest_samples = 4, .device_parallel = device_parallel};
     options.device_queues = queues;
     Runner runner(std::make_unique<MarginalGain>(), clock, options);
-    std::vector<std::shared_ptr<Viewer>> viewers;
+    std::vector<std::shared_ptr<TestClient>> viewers;
     for (int i = 0; i < 4; ++i) {
-      viewers.push_back(std::make_shared<Viewer>(clock));
+      viewers.push_back(std::make_shared<TestClient>(clock));
       runner.add(viewers.back(), std::make_unique<FakeRenderer>(device, nullptr), 0);
     }
     EXPECT_TRUE(eventually([&] {
@@ -340,9 +247,9 @@ TEST_F(TogetherTest, NoSessionIsChargedForWhatItWaitedForAnother) {
   options.rules = {.target_error = 1e-6, .device_parallel = 1e3};
   options.device_queues = true;
   Runner runner(std::make_unique<RoundRobin>(), clock, options);
-  std::vector<std::shared_ptr<Viewer>> viewers;
+  std::vector<std::shared_ptr<TestClient>> viewers;
   for (int i = 0; i < 2; ++i) {
-    viewers.push_back(std::make_shared<Viewer>(clock));
+    viewers.push_back(std::make_shared<TestClient>(clock));
     runner.add(viewers.back(), std::make_unique<FakeRenderer>(device, nullptr), 0);
   }
   EXPECT_TRUE(eventually([&] { return viewers[0]->samples + viewers[1]->samples >= 60; }));

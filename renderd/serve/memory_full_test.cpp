@@ -2,6 +2,7 @@
 // who is there is harmed.
 #include <gtest/gtest.h>
 
+#include "renderd/schedule/eventually.h"
 #include "renderd/serve/session_host.h"
 #include "renderd/serve/test_worker.h"
 
@@ -42,10 +43,6 @@ struct MemoryFullTest : testing::Test {
       attachments[attachment]->receive(ack_message(frame->frame().seq()).SerializeAsString());
       if (frame->frame().input_seq() >= input) return true;
     }
-  }
-  bool eventually(const std::function<bool()>& holds) {
-    for (int i = 0; i < 500 && !holds(); ++i) std::this_thread::sleep_for(10ms);
-    return holds();
   }
 
   TestStore store;
