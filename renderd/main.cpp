@@ -37,7 +37,7 @@ constexpr int kExitDevice = 70;       // EX_SOFTWARE: the device's context is br
 
 struct Settings {
   std::string worker_id;
-  RedisAddress redis;
+  wire::RedisAddress redis;
   std::string grpc_address;
   std::uint16_t grpc_port = 0;
   std::string advertise;
@@ -88,7 +88,7 @@ void read_devices(ConfigReader& in, Settings& settings) {
   settings.assist = split(
       in.text("assist", "other renderd that help with each picture: host:port, with commas", ""));
   for (const std::string& address : settings.assist) {
-    const auto parsed = parse_redis_address(address);
+    const auto parsed = wire::parse_redis_address(address);
     if (!parsed || parsed->with_tls) {
       in.mistake("--assist: '" + address + "' is no host:port");
     } else if (!settings.tls.on()) {
@@ -132,7 +132,7 @@ Settings read_settings(ConfigReader& in) {
   settings.worker_id = in.text("worker-id", "name of this worker, unique among those on one Redis");
   const std::string redis = in.text("redis", "host:port, or rediss://host:port with TLS");
   settings.tls = wire::read_inner_tls(in);
-  if (const auto address = parse_redis_address(redis)) {
+  if (const auto address = wire::parse_redis_address(redis)) {
     settings.redis = *address;
     settings.redis.tls = settings.tls.files;
     wire::check_address(in, "redis", redis, settings.tls);

@@ -2,13 +2,13 @@
 
 #include <hiredis/hiredis.h>
 
-#include <charconv>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
 #include <utility>
 
 #include "common/log.h"
+#include "common/wire/redis_address.h"
 #include "common/wire/tls_tunnel.h"
 
 namespace diaphane::api::redis {
@@ -179,9 +179,9 @@ struct Client::Impl {
 
 Result<std::unique_ptr<Client>> Client::create(Options options) {
   auto impl = std::make_unique<Impl>();
-  constexpr std::string_view kWithTls = "rediss://";
-  if (options.address.starts_with(kWithTls)) {
-    options.address.erase(0, kWithTls.size());
+  auto address = wire::parse_redis_address(options.address);
+  if (!address) return fail(ErrorCode::kInvalid, address.error().message, "redis");
+  if (address->with_tls) {
     if (!options.tls.on()) {
       return fail(ErrorCode::kInvalid, "rediss:// needs --inner-tls-ca and those with it", "redis");
     }
@@ -189,19 +189,8 @@ Result<std::unique_ptr<Client>> Client::create(Options options) {
   } else if (auto plain = wire::may_be_plain(options.address, options.tls); !plain) {
     return fail(ErrorCode::kInvalid, plain.error().message, "redis");
   }
-  const std::size_t colon = options.address.rfind(':');
-  if (colon == std::string::npos || colon == 0) {
-    return fail(ErrorCode::kInvalid, "must be host:port", "redis");
-  }
-  impl->host = options.address.substr(0, colon);
-  if (impl->host.front() == '[' && impl->host.back() == ']') {
-    impl->host = impl->host.substr(1, impl->host.size() - 2);
-  }
-  const char* end = options.address.data() + options.address.size();
-  const auto parsed = std::from_chars(options.address.data() + colon + 1, end, impl->port);
-  if (parsed.ec != std::errc() || parsed.ptr != end || impl->port < 1 || impl->port > 65535) {
-    return fail(ErrorCode::kInvalid, "must be host:port, with a port from 1 to 65535", "redis");
-  }
+  impl->host = std::move(address->host);
+  impl->port = address->port;
   if (options.connections == 0) return fail(ErrorCode::kInvalid, "needs at least one connection");
   impl->options = std::move(options);
   return std::unique_ptr<Client>(new Client(std::move(impl)));

@@ -5,6 +5,8 @@
 
 #include <memory>
 
+#include "common/wire/redis_address.h"
+
 namespace diaphane::wire {
 namespace {
 
@@ -84,7 +86,7 @@ Result<void> may_be_plain(std::string_view address, const InnerTls& tls) {
 void check_address(ConfigReader& in, std::string_view name, std::string_view address,
                    const InnerTls& tls) {
   const std::string setting = "--" + std::string(name) + ": ";
-  if (address.starts_with("rediss://")) {
+  if (wants_tls(address)) {
     if (!tls.on()) in.mistake(setting + "rediss:// needs --inner-tls-ca and those with it");
   } else if (const auto plain = may_be_plain(address, tls); !address.empty() && !plain) {
     in.mistake(setting + plain.error().message);

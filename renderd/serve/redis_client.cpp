@@ -3,7 +3,6 @@
 #include <hiredis/hiredis.h>
 #include <sys/time.h>
 
-#include <charconv>
 #include <map>
 
 #include "common/log.h"
@@ -30,7 +29,7 @@ std::string text_of(const redisReply& reply) {
 }  // namespace
 
 struct RedisClient::Impl {
-  RedisAddress address;
+  wire::RedisAddress address;
   std::unique_ptr<wire::TlsTunnels> tunnels;
   std::unique_ptr<redisContext, FreeContext> context;
   std::map<std::string, std::string, std::less<>> hashes;  // of scripts, by text
@@ -74,24 +73,7 @@ struct RedisClient::Impl {
   }
 };
 
-Result<RedisAddress> parse_redis_address(std::string_view text) {
-  constexpr std::string_view kWithTls = "rediss://";
-  const bool with_tls = text.starts_with(kWithTls);
-  if (with_tls) text.remove_prefix(kWithTls.size());
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string_view::npos || colon == 0) {
-    return fail(ErrorCode::kInvalid, "must be host:port");
-  }
-  RedisAddress address{.host = std::string(text.substr(0, colon)), .with_tls = with_tls};
-  const std::string_view port = text.substr(colon + 1);
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), address.port);
-  if (error != std::errc() || end != port.data() + port.size() || address.port == 0) {
-    return fail(ErrorCode::kInvalid, "must be host:port");
-  }
-  return address;
-}
-
-RedisClient::RedisClient(RedisAddress address) : impl_(std::make_unique<Impl>()) {
+RedisClient::RedisClient(wire::RedisAddress address) : impl_(std::make_unique<Impl>()) {
   if (address.with_tls) impl_->tunnels = std::make_unique<wire::TlsTunnels>(address.tls);
   impl_->address = std::move(address);
 }

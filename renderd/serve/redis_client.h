@@ -7,25 +7,15 @@
 #include <vector>
 
 #include "common/result.h"
-#include "common/wire/inner_tls.h"
+#include "common/wire/redis_address.h"
 
 namespace diaphane::render {
-
-struct RedisAddress {
-  std::string host;
-  std::uint16_t port = 0;
-  bool with_tls = false;
-  wire::TlsFiles tls{};
-};
-
-/// "host:port", or "rediss://host:port" with TLS.
-Result<RedisAddress> parse_redis_address(std::string_view text);
 
 /// One connection to Redis, used by one thread. Connects when first needed and again after a
 /// failure; every call ends within the timeouts. The only place that names hiredis.
 class RedisClient {
  public:
-  explicit RedisClient(RedisAddress address);
+  explicit RedisClient(wire::RedisAddress address);
   ~RedisClient();
 
   /// What a script answered: an integer, or a list of texts.

@@ -21,7 +21,7 @@ namespace diaphane::render {
 class Registry {
  public:
   struct Options {
-    RedisAddress redis;
+    wire::RedisAddress redis;
     std::string worker_id;
     std::string incarnation;  ///< new at each start
     std::string address;      ///< where the gateway finds this worker

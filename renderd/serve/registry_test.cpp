@@ -9,21 +9,13 @@
 #include <thread>
 
 #include "common/claimed_port.h"
+#include "renderd/schedule/eventually.h"
 #include "renderd/serve/test_worker.h"
 
 namespace diaphane::render {
 namespace {
 
 using namespace std::chrono_literals;
-
-bool eventually(const std::function<bool()>& holds, std::chrono::milliseconds within = 8000ms) {
-  const auto end = std::chrono::steady_clock::now() + within;
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(10ms);
-  }
-  return true;
-}
 
 // A redis-server of the test's own.
 class TestRedis {
@@ -63,7 +55,7 @@ class TestRedis {
   }
 
   const ClaimedPort port = ClaimedPort::take().value();
-  const RedisAddress address{.host = "127.0.0.1", .port = port.number()};
+  const wire::RedisAddress address{.host = "127.0.0.1", .port = port.number()};
 
  private:
   pid_t pid_ = 0;
@@ -374,13 +366,6 @@ TEST_F(RegistryTest, ToldToDrainItMovesASessionOnlyWhenThereIsRoomElsewhere) {
   ASSERT_TRUE(eventually([&] { return worker->host().used() == 0; }));
   EXPECT_EQ(link->inbox.ended()->code, ErrorCode::kUnavailable);
   ASSERT_TRUE(eventually([&] { return !redis.field(key, "idle_since").empty(); }));
-}
-
-TEST(RedisAddress, AnAddressIsHostAndPort) {
-  EXPECT_EQ(parse_redis_address("127.0.0.1:6379")->port, 6379);
-  for (const char* wrong : {"", "host", ":1", "host:", "host:0", "host:65536", "host:1x"}) {
-    EXPECT_FALSE(parse_redis_address(wrong)) << wrong;
-  }
 }
 
 }  // namespace

@@ -1,0 +1,33 @@
+#include "common/wire/redis_address.h"
+
+#include <charconv>
+
+namespace diaphane::wire {
+namespace {
+
+constexpr std::string_view kWithTls = "rediss://";
+
+}  // namespace
+
+bool wants_tls(std::string_view address) { return address.starts_with(kWithTls); }
+
+Result<RedisAddress> parse_redis_address(std::string_view text) {
+  RedisAddress address;
+  address.with_tls = wants_tls(text);
+  if (address.with_tls) text.remove_prefix(kWithTls.size());
+  const std::size_t colon = text.rfind(':');
+  const std::string_view port = colon == std::string_view::npos ? "" : text.substr(colon + 1);
+  const auto [end, wrong] = std::from_chars(port.data(), port.data() + port.size(), address.port);
+  std::string_view host = text.substr(0, colon);
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
+    host = host.substr(1, host.size() - 2);
+  }
+  if (host.empty() || wrong != std::errc() || end != port.data() + port.size() ||
+      address.port == 0) {
+    return fail(ErrorCode::kInvalid, "must be host:port, with a port from 1 to 65535");
+  }
+  address.host = host;
+  return address;
+}
+
+}  // namespace diaphane::wire
