@@ -14,7 +14,6 @@ namespace {
 
 namespace v1 = diaphane::v1;
 
-
 /// A rotation: from the camera's axes to the world.
 struct Quaternion {
   double w = 1, x = 0, y = 0, z = 0;
