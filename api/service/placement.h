@@ -110,7 +110,7 @@ class LinkStore {
 
 struct StillRequest {
   std::string data_set_id;
-  std::string preset;      ///< "skin", "muscle", "vessels", "bone"; or
+  std::string preset;      ///< "skin", "muscle", "vessels", "bone", "airways"; or
   std::string scene = {};  ///< a serialised diaphane.v1.Scene
   std::uint32_t width = 320, height = 320;
   std::uint32_t samples = 64;  ///< per pixel, at most

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 4> kPresets{"skin", "muscle", "vessels", "bone"};
+constexpr std::array<std::string_view, 5> kPresets{"skin", "muscle", "vessels", "bone", "airways"};
 constexpr auto kPatience = std::chrono::seconds(20);
 
 }  // namespace

@@ -149,7 +149,7 @@ TEST(Presets, AreValidForEveryVolumeAndSeeTheWholeBox) {
                                    test::constant_volume(5, -32768), volume_of(turned_header())};
   for (const volume::Volume& v : others) {
     const auto presets = presets_for(v.header);
-    ASSERT_EQ(presets.size(), 4u);
+    ASSERT_EQ(presets.size(), 5u);
     for (const auto& preset : presets) {
       const auto checked = check_scene(preset.scene());
       EXPECT_TRUE(checked) << preset.name() << ": " << (checked ? "" : checked.error().message);
@@ -157,6 +157,23 @@ TEST(Presets, AreValidForEveryVolumeAndSeeTheWholeBox) {
     }
   }
   EXPECT_FALSE(preset_for(ct.header, "spectacles"));
+}
+
+TEST(Presets, AirwaysAreWallsOfAirThatLightGoesThrough) {
+  volume::Volume ct = test::skull_volume();
+  ct.header.modality = volume::Modality::kCt;
+  const auto preset = preset_for(ct.header, "airways");
+  ASSERT_TRUE(preset);
+  const v1::TransferFunction& function = preset->scene().transfer_function();
+  const auto extinction_at = [&](double hounsfield) {
+    return function.extinction_per_mm() * material_at(function, hounsfield).opacity;
+  };
+  for (const double unseen : {-1000.0, -950.0, -100.0, 0.0, 50.0, 400.0, 1500.0}) {
+    EXPECT_EQ(extinction_at(unseen), 0) << unseen;
+  }
+  EXPECT_GT(extinction_at(-550), 0.1);
+  constexpr double kWall = 2;  // mm
+  EXPECT_GT(std::exp(-2 * kWall * extinction_at(-550)), 0.4) << "what lies behind the skin is seen";
 }
 
 }  // namespace

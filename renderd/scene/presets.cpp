@@ -58,8 +58,9 @@ constexpr Vector kMuscle{0.80, 0.30, 0.22};
 constexpr Vector kFat{0.92, 0.76, 0.48};
 constexpr Vector kVessel{0.88, 0.13, 0.11};
 constexpr Vector kBone{0.95, 0.88, 0.74};
+constexpr Vector kLining{0.62, 0.86, 0.95};
 
-// Hounsfield units: air -1000, fat -100, water 0, muscle 50, contrast 150 to 400, spongy bone from
+// Hounsfield units: air -1000, lung -850 to -700, fat -100, water 0, muscle 50, contrast 150 to 400, spongy bone from
 // 200, compact bone from 600.
 const Look kLooks[] = {
     {"skin",
@@ -89,6 +90,15 @@ const Look kLooks[] = {
     {"bone",
      1.2,
      {{"bone", kBone, {{140, 0}, {260, 0.35}, {600, 1}}, {{0.35, 0}, {0.60, 1}}, true}}},
+    // What lies between air and tissue, thin enough that the skin, which is such a place as well,
+    // hides none within: the picture is of walls, one behind the other.
+    {"airways",
+     1.4,
+     {{"airways",
+       kLining,
+       {{-900, 0}, {-650, 0.12}, {-450, 0.12}, {-250, 0}},
+       {{0.02, 0}, {0.05, 0.12}, {0.08, 0.12}, {0.12, 0}},
+       false}}},
 };
 
 /// Half the diagonal of the volume's box, mm.

@@ -126,7 +126,7 @@ TEST_F(HostTest, AViewerIsGreetedAndSeesItsPictureConverge) {
   ASSERT_TRUE(config);
   EXPECT_EQ(config->config().engine(), "fake");
   EXPECT_EQ(config->config().volume().size(0), 24U);
-  EXPECT_EQ(config->config().presets_size(), 4);
+  EXPECT_EQ(config->config().presets_size(), 5);
   EXPECT_TRUE(config->config().has_scene());
   double error = std::numeric_limits<double>::infinity();
   std::uint64_t seq = 0;

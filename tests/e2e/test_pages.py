@@ -48,7 +48,7 @@ def test_every_page_is_accessible_and_fits(stack: TestStack, visit, cranium: Pat
     seen("scans")
     person.open_scan("A head")
     wait_for_samples(stack, page, 2)
-    expect(page.locator(".preset")).to_have_count(4)
+    expect(page.locator(".preset")).to_have_count(5)
     seen("viewer")
     page.get_by_role("button", name="How to move it").click()
     seen("help")

@@ -5,7 +5,7 @@ import { ClientMessageSchema, Codec, FrameQuality, HistogramSchema, ServerMessag
 import { VolumeHeader_Modality, VolumeHeaderSchema } from "../../src/protocol/gen/api/proto/volume_pb";
 import { draw } from "./picture";
 
-const colours: Record<string, [number, number, number]> = { skin: [0.95, 0.72, 0.6], muscle: [0.8, 0.3, 0.26], vessels: [0.85, 0.25, 0.2], bone: [0.95, 0.92, 0.84] };
+const colours: Record<string, [number, number, number]> = { skin: [0.95, 0.72, 0.6], muscle: [0.8, 0.3, 0.26], vessels: [0.85, 0.25, 0.2], bone: [0.95, 0.92, 0.84], airways: [0.62, 0.86, 0.95] };
 
 export const scene_named = (name: string): Scene => {
   const [r, g, b] = colours[name] ?? [1, 1, 1];

@@ -196,8 +196,8 @@ export interface ProblemBody {
   readonly errors?: readonly { readonly field: string; readonly message: string }[];
 }
 
-export type PresetName = "skin" | "muscle" | "vessels" | "bone";
-export const preset_names: readonly PresetName[] = ["skin", "muscle", "vessels", "bone"];
+export type PresetName = "skin" | "muscle" | "vessels" | "bone" | "airways";
+export const preset_names: readonly PresetName[] = ["skin", "muscle", "vessels", "bone", "airways"];
 
 export interface RecordingInfo {
   readonly id: string;

@@ -19,7 +19,7 @@ PROGRAMS = ("diaphane-render", "diaphane-still-bench")
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--size", help="of the pictures (default 1280x720)")
-    parser.add_argument("--preset", default="bone", help="skin, muscle, vessels or bone")
+    parser.add_argument("--preset", default="bone", help="skin, muscle, vessels, bone or airways")
     parser.add_argument("--samples", help="of the pictures, with commas, the last the finished one (default 1,4,16,64)")
     parser.add_argument("--pictures", nargs="+", type=Path, metavar="PPM", help="these instead of rendering some")
 

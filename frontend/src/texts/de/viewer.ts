@@ -3,7 +3,7 @@ import { count, fixed, number } from "./counting";
 
 export const viewer: Texts["viewer"] = {
   back: "Meine Aufnahmen",
-  stage: "Die Aufnahme in drei Dimensionen. Pfeiltasten drehen, Plus und Minus vergrößern und verkleinern, R setzt zurück, 1 bis 4 wählen ein Aussehen, das Fragezeichen zeigt alle Tasten.",
+  stage: "Die Aufnahme in drei Dimensionen. Pfeiltasten drehen, Plus und Minus vergrößern und verkleinern, R setzt zurück, 1 bis 5 wählen ein Aussehen, das Fragezeichen zeigt alle Tasten.",
   first: "Das Bild wird vorbereitet …",
   troubles: {
     lost: "Verbindung unterbrochen. Sie wird wieder aufgebaut …",
@@ -33,7 +33,7 @@ export const viewer: Texts["viewer"] = {
     title: (n, all) => `Hinweis ${n} von ${all}`,
     all: [
       "Ziehen Sie am Bild, um es zu drehen. Zwei Finger oder das Rad holen es näher.",
-      "Die Bilder unten zeigen es anders: Haut, Muskel, Gefäße, Knochen.",
+      "Die Bilder unten zeigen es anders: Haut, Muskel, Gefäße, Knochen, Luftwege.",
       "Licht, Objektiv und Schnitte sind im Menü links. Was Sie ändern, lässt sich rückgängig machen.",
     ],
     next: "Weiter",
@@ -41,7 +41,7 @@ export const viewer: Texts["viewer"] = {
     hide: "Hinweise ausblenden",
   },
   presets: "Aussehen",
-  preset: { skin: "Haut", muscle: "Muskeln", vessels: "Gefäße", bone: "Knochen" },
+  preset: { skin: "Haut", muscle: "Muskeln", vessels: "Gefäße", bone: "Knochen", airways: "Luftwege" },
   reset: "Ansicht zurücksetzen",
   fullscreen: "Ganzer Bildschirm",
   screenshot: "Bild speichern",
@@ -73,7 +73,7 @@ export const viewer: Texts["viewer"] = {
     ["Vergrößern", "Rad oder rechts ziehen", "Zwei Finger spreizen", "+ und −"],
     ["Rollen", "Strg + links ziehen", "", "Strg + ← →"],
     ["Ansicht zurücksetzen", "", "", "R"],
-    ["Aussehen wählen", "", "", "1 bis 4"],
+    ["Aussehen wählen", "", "", "1 bis 5"],
     ["Rückgängig", "Menü links", "Menü links", "Strg + Z"],
     ["Wiederholen", "Menü links", "Menü links", "Strg + Umschalt + Z"],
     ["Schichten", "Knopf oben", "Knopf oben", "V"],

@@ -18,7 +18,7 @@ const troubles: Record<Trouble, string> = {
 /** The viewer. */
 export const viewer = {
   back: "My scans",
-  stage: "The scan in three dimensions. Arrow keys rotate, plus and minus zoom, R resets, 1 to 4 choose a look, question mark shows all keys.",
+  stage: "The scan in three dimensions. Arrow keys rotate, plus and minus zoom, R resets, 1 to 5 choose a look, question mark shows all keys.",
   first: "Preparing the picture…",
   troubles,
   continue_here: "Continue here",
@@ -36,7 +36,7 @@ export const viewer = {
     title: (n: number, all: number) => `Hint ${n} of ${all}`,
     all: [
       "Drag the picture to turn it. Two fingers or the wheel bring it nearer.",
-      "The pictures below show other looks: skin, muscle, vessels, bone.",
+      "The pictures below show other looks: skin, muscle, vessels, bone, airways.",
       "Light, lens and cuts are in the menu at the left. Whatever you change can be undone.",
     ] as readonly string[],
     next: "Next",
@@ -44,7 +44,7 @@ export const viewer = {
     hide: "Hide the hints",
   },
   presets: "Looks",
-  preset: { skin: "Skin", muscle: "Muscle", vessels: "Vessels", bone: "Bone" } as Readonly<Record<string, string>>,
+  preset: { skin: "Skin", muscle: "Muscle", vessels: "Vessels", bone: "Bone", airways: "Airways" } as Readonly<Record<string, string>>,
   reset: "Reset the view",
   fullscreen: "Full screen",
   screenshot: "Save a picture",
@@ -76,7 +76,7 @@ export const viewer = {
     ["Zoom", "Wheel or right drag", "Pinch", "+ and −"],
     ["Roll", "Ctrl + left drag", "", "Ctrl + ← →"],
     ["Reset the view", "", "", "R"],
-    ["Choose a look", "", "", "1 to 4"],
+    ["Choose a look", "", "", "1 to 5"],
     ["Undo", "Menu at the left", "Menu at the left", "Ctrl + Z"],
     ["Redo", "Menu at the left", "Menu at the left", "Ctrl + Shift + Z"],
     ["Slices", "Button above", "Button above", "V"],
