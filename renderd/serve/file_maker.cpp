@@ -6,8 +6,8 @@
 #include "renderd/encode/film_file.h"
 #include "renderd/encode/png_rows.h"
 #include "renderd/film/part.h"
+#include "renderd/scene/file_order.h"
 #include "renderd/scene/film_path.h"
-#include "renderd/scene/presets.h"
 
 namespace diaphane::render {
 namespace {
@@ -111,16 +111,7 @@ Result<std::unique_ptr<FileMaker>> film_maker(const v1::Film& film, std::vector<
 
 Result<std::unique_ptr<FileMaker>> picture_maker(const v1::LargePicture& picture,
                                                  std::vector<v1::Scene> keys) {
-  for (const std::uint32_t side : {picture.width(), picture.height()}) {
-    if (side < kShortestFileSide || side > kLongestCanvas) {
-      return fail(ErrorCode::kInvalid, "A picture is 16 to 16384 pixels wide and high.", "width");
-    }
-  }
-  if (!(picture.error() >= kLeastFileError && picture.error() <= 1)) {
-    return fail(ErrorCode::kInvalid, "The error of a picture is 0.005 to 1.", "error");
-  }
-  if (keys.empty()) return fail(ErrorCode::kInvalid, "Nothing is said to be seen.", "keys");
-  if (const auto sound = check_scene(keys.front()); !sound) return tl::unexpected(sound.error());
+  if (const auto sound = check_picture(picture, keys); !sound) return tl::unexpected(sound.error());
   const Canvas size{picture.width(), picture.height()};
   auto file = make_png_rows(size, kPngLevelOfFiles);
   if (!file) return tl::unexpected(file.error());

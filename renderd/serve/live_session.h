@@ -169,7 +169,6 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   // Files to be taken away (docs/adr/0031).
   class FileLink;
   void receive_file(std::uint64_t connection, const diaphane::v1::ClientMessage& message);
-  Result<void> note_key_view(const diaphane::v1::KeyView& view);
   Result<std::shared_ptr<FileWork>> begin_file(std::uint64_t connection,
                                                const diaphane::v1::FileWanted& wanted);
   void send_of_file(const FileLink& link, const diaphane::v1::ServerMessage& message, bool last);

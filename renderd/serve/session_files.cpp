@@ -1,6 +1,5 @@
 #include "common/log.h"
-#include "renderd/scene/film_path.h"
-#include "renderd/scene/presets.h"
+#include "renderd/scene/file_order.h"
 #include "renderd/serve/live_session.h"
 
 // Of LiveSession: films and large pictures, to be taken away (docs/adr/0031).
@@ -76,7 +75,7 @@ void LiveSession::receive_file(std::uint64_t connection, const v1::ClientMessage
       return refuse({ErrorCode::kForbidden, "Only the owner of a session takes files of it.", {}});
     }
     if (message.has_key_view()) {
-      if (auto noted = note_key_view(message.key_view()); !noted) refuse(noted.error());
+      if (auto noted = note_key_view(key_views_, message.key_view()); !noted) refuse(noted.error());
     } else if (message.has_file_taken()) {
       if (file_ && file_->connection == connection) taken = file_->work;
     } else if (message.file().kind_case() == v1::FileWanted::KIND_NOT_SET) {
@@ -89,16 +88,6 @@ void LiveSession::receive_file(std::uint64_t connection, const v1::ClientMessage
   }
   if (taken) taken->taken(message.file_taken().seq());
   if (begun) begun->start();
-}
-
-Result<void> LiveSession::note_key_view(const v1::KeyView& view) {
-  if (view.index() == 0) key_views_.clear();
-  if (view.index() != key_views_.size() || view.index() >= kMostKeyViews) {
-    return fail(ErrorCode::kInvalid, "Views are told one after the other, 16 at most.");
-  }
-  if (const auto sound = check_scene(view.scene()); !sound) return sound;
-  key_views_.push_back(view.scene());
-  return {};
 }
 
 Result<std::shared_ptr<FileWork>> LiveSession::begin_file(std::uint64_t connection,

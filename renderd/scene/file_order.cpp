@@ -1,0 +1,34 @@
+#include "renderd/scene/file_order.h"
+
+#include "renderd/film/canvas.h"
+#include "renderd/scene/film_path.h"
+#include "renderd/scene/presets.h"
+
+namespace diaphane::render {
+
+namespace v1 = diaphane::v1;
+
+Result<void> note_key_view(std::vector<v1::Scene>& keys, const v1::KeyView& view) {
+  if (view.index() == 0) keys.clear();
+  if (view.index() != keys.size() || view.index() >= kMostKeyViews) {
+    return fail(ErrorCode::kInvalid, "Views are told one after the other, 16 at most.");
+  }
+  if (const auto sound = check_scene(view.scene()); !sound) return sound;
+  keys.push_back(view.scene());
+  return {};
+}
+
+Result<void> check_picture(const v1::LargePicture& picture, const std::vector<v1::Scene>& keys) {
+  for (const std::uint32_t side : {picture.width(), picture.height()}) {
+    if (side < kShortestFileSide || side > kLongestCanvas) {
+      return fail(ErrorCode::kInvalid, "A picture is 16 to 16384 pixels wide and high.", "width");
+    }
+  }
+  if (!(picture.error() >= kLeastFileError && picture.error() <= 1)) {
+    return fail(ErrorCode::kInvalid, "The error of a picture is 0.005 to 1.", "error");
+  }
+  if (keys.empty()) return fail(ErrorCode::kInvalid, "Nothing is said to be seen.", "keys");
+  return check_scene(keys.front());
+}
+
+}  // namespace diaphane::render
