@@ -15,12 +15,10 @@ class Fingers:
         points = [{"x": x, "y": y, "id": n} for n, (x, y) in enumerate(places)]
         self.session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
 
-    def drag(self, ways: list[tuple[Place, Place]], steps: int = 6, rest_ms: int = 0) -> None:
-        """Each finger from one place to another, all at once; then they are lifted, after so long a rest."""
+    def drag(self, ways: list[tuple[Place, Place]], steps: int = 6) -> None:
+        """Each finger from one place to another, all at once; then they are lifted while they still move."""
         self.say("touchStart", [begin for begin, _ in ways])
         for step in range(1, steps + 1):
             part = step / steps
             self.say("touchMove", [(x + part * (to_x - x), y + part * (to_y - y)) for (x, y), (to_x, to_y) in ways])
-        if rest_ms:
-            self.page.wait_for_timeout(rest_ms)
         self.say("touchEnd", [])

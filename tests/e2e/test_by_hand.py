@@ -157,9 +157,17 @@ def test_one_looks_around_by_mouse_by_keys_and_by_touch(stack: TestStack, visit,
     is_zoom(hands, lambda: fingers.drag([((x - 30, y), (x - 60, y)), ((x + 30, y), (x + 60, y))]), nearer=True)
     is_home(hands, page.get_by_role("button", name="Reset the view").tap, home)
 
+    def flick_and_tap() -> None:
+        fingers.drag([((x, y), (x + 60, y))])
+        page.get_by_role("button", name="Reset the view").tap()
+
+    # The tap after a flick counts.
+    is_turn(hands, lambda: fingers.drag([((x, y), (x, y + 40))]))
+    is_home(hands, flick_and_tap, home)
+
     # The looks: by hand, by a finger, by a digit.
     for choose, name in ((lambda: page.locator("[data-preset=bone]").click(), "bone"), (lambda: page.locator("[data-preset=muscle]").tap(), "muscle"),
-                         (lambda: page.keyboard.press("1"), "skin")):
+                         (lambda: page.keyboard.press("1"), "skin"), (lambda: page.keyboard.press("5"), "airways")):
         old = hands.picture()
         hands.act(choose)
         expect(page.locator(f"[data-preset={name}]")).to_have_attribute("aria-pressed", "true")

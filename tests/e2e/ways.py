@@ -50,10 +50,9 @@ class Finger(Mouse):
         slider.tap(position=beside(slider))
 
     def drag(self, begin: tuple[float, float], right: float, down: float) -> None:
-        """As one puts a thing at a place. Lifted while it moves, the finger flicks: Chromium takes the next tap for the flick's end,
-        and gives the page no click of it."""
+        """Lifted while it moves, the finger flicks: the next tap is to count all the same."""
         x, y = begin
-        Fingers(self.page).drag([(begin, (x + right, y + down))], rest_ms=150)
+        Fingers(self.page).drag([(begin, (x + right, y + down))])
 
 
 class Keys(Mouse):

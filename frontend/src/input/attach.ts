@@ -1,4 +1,5 @@
 import { Gestures, wheel_zoom, type Gesture, type PointerSample } from "./gestures";
+import { no_flick } from "./no_flick";
 
 /** Listens to the hands on `element` until the given signal is aborted. `rested`: the last one that moved was lifted. */
 export function attach_gestures(
@@ -56,6 +57,7 @@ export function attach_gestures(
   };
   element.addEventListener("pointerup", released, passive);
   element.addEventListener("pointercancel", released, passive);
+  element.addEventListener("touchmove", no_flick, { signal, passive: false });
   // These two would scroll the page and open the browser's menu.
   element.addEventListener("wheel", (event) => {
     event.preventDefault();

@@ -1,4 +1,5 @@
 import type { Point } from "../../input/flat";
+import { no_flick } from "../../input/no_flick";
 import { useLayoutEffect, useRef } from "preact/hooks";
 
 export interface HandleButtonProps {
@@ -54,6 +55,7 @@ export function HandleButton({ name, label, look, behind = false, at, low, high,
       aria-valuetext={said}
       onFocus={() => hold(true)}
       onBlur={() => hold(false)}
+      onTouchMove={no_flick}
       onPointerDown={(event) => {
         if (event.button !== 0) return;
         event.preventDefault();

@@ -1,4 +1,5 @@
 import { useRef } from "preact/hooks";
+import { no_flick } from "../../../input/no_flick";
 import { direction_on_ball, unit_of, type Direction } from "../../../scene/direction";
 import { clamp } from "../../../scene/numbers";
 import { t } from "../../../texts";
@@ -54,7 +55,7 @@ export function LightBall({ direction, others, leads, change, rest }: LightBallP
   return (
     <svg ref={svg} class="ball" viewBox={`${-radius - 10} ${-radius - 10} ${2 * radius + 20} ${2 * radius + 20}`} role="application" tabindex={0}
       aria-label={t.settings.light.ball(direction.right.toFixed(0), direction.up.toFixed(0))}
-      onPointerDown={grabbed} onPointerMove={(event) => {
+      onTouchMove={no_flick} onPointerDown={grabbed} onPointerMove={(event) => {
         if (held.current !== null) point(event, held.current);
       }} onPointerUp={dropped} onPointerCancel={dropped} onKeyDown={pressed}>
       <circle class="ball-body" r={radius} />

@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
+import { no_flick } from "../../../input/no_flick";
 import { t } from "../../../texts";
 import { Icon } from "../../icons";
 import { place_in, type Layout, type WindowName } from "./layout";
@@ -71,7 +72,7 @@ export function SettingsWindow({ name, layout, narrow, fresh, onMove, onDock, on
         onClose();
       }}
     >
-      <div class="window-head" onPointerDown={grabbed} onPointerMove={dragged} onPointerUp={dropped} onPointerCancel={dropped}>
+      <div class="window-head" onPointerDown={grabbed} onPointerMove={dragged} onPointerUp={dropped} onPointerCancel={dropped} {...(narrow ? {} : { onTouchMove: no_flick })}>
         <h2 id={`window-${name}`}>{title}</h2>
         {narrow ? null : (
           <button type="button" class="icon-button window-grip" aria-label={t.settings.move(title)} title={t.settings.move_help} onKeyDown={pressed}>

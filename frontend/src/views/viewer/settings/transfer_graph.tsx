@@ -1,4 +1,5 @@
 import { useRef } from "preact/hooks";
+import { no_flick } from "../../../input/no_flick";
 import type { TransferFunction } from "../../../protocol/gen/api/proto/scene_pb";
 import type { Histogram } from "../../../protocol/messages";
 import { hex_of } from "../../../scene/colour";
@@ -68,7 +69,7 @@ export function TransferGraph(props: TransferGraphProps) {
   return (
     <>
       <svg ref={svg} class="graph" viewBox={`0 0 ${graph_width} ${graph_height}`} role="application" aria-label={t.settings.look.graph}
-        aria-describedby="graph-help graph-point" tabindex={0} onPointerDown={grabbed} onPointerMove={dragged} onPointerUp={dropped}
+        aria-describedby="graph-help graph-point" tabindex={0} onTouchMove={no_flick} onPointerDown={grabbed} onPointerMove={dragged} onPointerUp={dropped}
         onPointerCancel={dropped} onDblClick={doubled} onKeyDown={pressed} data-points={points.length}>
         {histogram && histogram.counts.length > 0 ? (
           <g transform={`translate(${graph_edge} ${graph_edge})`}>

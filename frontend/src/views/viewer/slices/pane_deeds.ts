@@ -6,6 +6,7 @@ import { SliceHands, Wheel, type Deed, type Touching } from "../../../slices/han
 import { panned, pixel_at, zoomed } from "../../../slices/placing";
 import { dragged, type Window } from "../../../slices/window";
 import { wheel_zoom } from "../../../input/gestures";
+import { no_flick } from "../../../input/no_flick";
 import type { Vec3 } from "../../../input/vec3";
 
 const zoom_step = 1.12;
@@ -60,6 +61,7 @@ export class PaneDeeds {
         if (slices !== 0) this.do_all([{ kind: "scroll", slices }]);
       }
     }, { signal, passive: false });
+    element.addEventListener("touchmove", no_flick, { signal, passive: false });
     element.addEventListener("contextmenu", (event) => event.preventDefault(), { signal });
     element.addEventListener("mousedown", (event) => {
       if (event.button === 1) event.preventDefault(); // the browser's own scrolling
