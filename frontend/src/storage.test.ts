@@ -1,10 +1,10 @@
 import { expect, it } from "vitest";
-import { keeping, type Keeping } from "./storage";
+import { keeping, type Browsers } from "./storage";
 
 const refused = (): never => {
   throw new DOMException("The operation is insecure.", "SecurityError");
 };
-function made(): Keeping {
+function made(): Browsers {
   const values = new Map<string, string>();
   return {
     getItem: (key) => values.get(key) ?? null,
@@ -15,11 +15,11 @@ function made(): Keeping {
 }
 
 it("keeps for as long as the page stands where the browser blocks storage or has no room", () => {
-  for (const browsers of [refused, () => ({ ...made(), setItem: refused }), () => null as unknown as Storage]) {
+  for (const browsers of [refused, () => ({ ...made(), setItem: refused }), () => ({ ...made(), setItem: () => undefined }), () => null as unknown as Storage]) {
     const store = keeping(browsers);
     expect(store.getItem("a")).toBeNull();
     store.setItem("a", "1");
-    store.setItem("b", "2");
+    expect(store.keep("b", "2")).toBe(false);
     expect(store.getItem("a")).toBe("1");
     store.removeItem("a");
     expect([store.getItem("a"), store.getItem("b")]).toEqual([null, "2"]);
@@ -37,4 +37,6 @@ it("is the browser's own where that may be used", () => {
   expect(own.getItem("a")).toBeNull();
   own.setItem("b", "2");
   expect(store.getItem("b")).toBe("2");
+  expect(store.keep("c", "3")).toBe(true);
+  expect(own.getItem("c")).toBe("3");
 });

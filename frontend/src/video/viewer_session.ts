@@ -63,10 +63,7 @@ export interface ErrorPoint {
 }
 
 /** What this browser keeps of what a person prefers. */
-export interface Preferences {
-  kept(key: string): string | null;
-  keep(key: string, value: string): void;
-}
+export type Preferences = Pick<Storage, "getItem" | "setItem">;
 
 const effort_key = "diaphane.effort";
 /** The longest side asked for: what the protocol allows. */
@@ -193,7 +190,7 @@ export class ViewerSession {
     });
     this.size_teller_ = new SizeTeller(this.viewport_, (size) => this.resized(size), { now_ms, after });
     this.begun.value = before.begun;
-    const effort = effort_from(preferences_.kept(effort_key));
+    const effort = effort_from(preferences_.getItem(effort_key));
     if (effort_text(effort) !== effort_text(full_effort)) this.client_.set_effort((this.effort.value = effort));
     if (before.scene) {
       this.client_.remember(before.scene, before.input_seq);
@@ -289,12 +286,16 @@ export class ViewerSession {
     this.client_.rest();
   }
 
-  /** No step for undoing: what is seen in the end is the same. */
-  set_effort(effort: Effort): void {
+  /** No step for undoing: what is seen in the end is the same. Kept once no hand is on it any more. */
+  set_effort(effort: Effort, held = false): void {
     this.effort.value = effort;
-    this.preferences_.keep(effort_key, effort_text(effort));
     this.client_.set_effort(effort);
     this.remember_soon();
+    if (!held) this.keep_effort();
+  }
+
+  keep_effort(): void {
+    this.preferences_.setItem(effort_key, effort_text(this.effort.value));
   }
 
   undo(): void {

@@ -1,17 +1,15 @@
 import { expect, test } from "vitest";
-import { keep, kept } from "../kept";
+import { keeping } from "../../storage";
 import { hints_due, hints_seen } from "./hint_memory";
 
-function some_store() {
+function made() {
   const items = new Map<string, string>();
-  return () => ({ getItem: (key: string) => items.get(key) ?? null, setItem: (key: string, value: string) => void items.set(key, value) });
+  return { getItem: (key: string) => items.get(key) ?? null, setItem: (key: string, value: string) => void items.set(key, value), removeItem: () => undefined, clear: () => undefined };
 }
-const blocked = () => {
-  throw new DOMException("Access is denied for this document.", "SecurityError");
-};
 
 test("hints are shown once", () => {
-  const store = some_store();
+  const browsers = made();
+  const store = keeping(() => browsers);
   expect(hints_due(store)).toBe(true);
   expect(hints_due(store)).toBe(true); // until they were seen to their end
   hints_seen(store);
@@ -19,16 +17,13 @@ test("hints are shown once", () => {
 });
 
 test("hints never come where nothing can be kept: blocked, full, or thrown away at once", () => {
-  expect(hints_due(blocked)).toBe(false);
-  expect(hints_seen(blocked)).toBe(false);
-  const full = () => ({ getItem: () => null, setItem: () => { throw new DOMException("", "QuotaExceededError"); } });
-  expect(hints_due(full)).toBe(false);
-  expect(hints_due(() => ({ getItem: () => null, setItem: () => undefined }))).toBe(false);
-});
-
-test("what is kept is found again, and blocked storage is as an empty one", () => {
-  const store = some_store();
-  expect(keep("a", "b", store)).toBe(true);
-  expect(kept("a", store)).toBe("b");
-  expect(kept("a", blocked)).toBeNull();
+  const blocked = () => {
+    throw new DOMException("Access is denied for this document.", "SecurityError");
+  };
+  const full = () => ({ ...made(), setItem: blocked });
+  for (const browsers of [blocked, full, () => ({ ...made(), setItem: () => undefined })]) {
+    const store = keeping(browsers);
+    expect(hints_due(store)).toBe(false);
+    expect(hints_seen(store)).toBe(false);
+  }
 });

@@ -1,14 +1,15 @@
 import { useEffect, useState } from "preact/hooks";
+import { local } from "../../storage";
 import { t } from "../../texts";
 import { Icon } from "../icons";
 import { hints_due, hints_seen } from "./hint_memory";
 
 /** Three hints at the first use, one after the other, never again; Escape ends them wherever the focus is. */
 export function Hints({ onDone }: { readonly onDone: () => void }) {
-  const [at, set_at] = useState(() => (hints_due() ? 0 : -1));
+  const [at, set_at] = useState(() => (hints_due(local) ? 0 : -1));
   const text = t.viewer.hints;
   const end = () => {
-    hints_seen();
+    hints_seen(local);
     set_at(-1);
     onDone();
   };
@@ -17,7 +18,7 @@ export function Hints({ onDone }: { readonly onDone: () => void }) {
     const pressed = (event: KeyboardEvent) => {
       if (event.key !== "Escape" || event.defaultPrevented || document.querySelector("dialog[open]")) return;
       event.preventDefault();
-      hints_seen();
+      hints_seen(local);
       set_at(-1);
     };
     addEventListener("keydown", pressed);

@@ -1,8 +1,8 @@
 import { useState } from "preact/hooks";
+import { local } from "../../storage";
 import { place, t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Icon } from "../icons";
-import { keep, kept } from "../kept";
 import { ErrorPlot } from "./error_plot";
 import { KernelFacts } from "./kernel_facts";
 
@@ -12,13 +12,13 @@ const small_screen = () => matchMedia("(max-width: 700px), (max-height: 480px)")
 /** Samples, error and its fall: there for who wants to know, folded away by a press. */
 export function QualityPanel({ session }: { readonly session: ViewerSession }) {
   const [open, set_open] = useState(() => {
-    const stored = kept(key);
+    const stored = local.getItem(key);
     return stored === null ? !small_screen() : stored === "open";
   });
   const facts = session.picture.value;
   if (!facts) return null;
   const toggle = () => {
-    keep(key, open ? "closed" : "open");
+    local.setItem(key, open ? "closed" : "open");
     set_open(!open);
   };
   const error = Number.isFinite(facts.error) ? t.viewer.percent(facts.error) : t.viewer.error_unknown;

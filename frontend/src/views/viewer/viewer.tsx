@@ -15,7 +15,6 @@ import { ViewerSession } from "../../video/viewer_session";
 import { CutPanel } from "../cut/cut_panel";
 import { focused_of } from "../focused";
 import { Icon } from "../icons";
-import { keep, kept } from "../kept";
 import { InPicture } from "../picture/in_picture";
 import { PictureHandles } from "../picture/picture_handles";
 import { PointPicker } from "../picture/point_picker";
@@ -89,7 +88,7 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
         set_fault(t.viewer.no_codec);
         return;
       }
-      opened = new ViewerSession(place, new Painter(element), device_pixels(element), { codecs, stills }, { kept, keep });
+      opened = new ViewerSession(place, new Painter(element), device_pixels(element), { codecs, stills }, local);
       connect_page(opened, element, leaving.signal);
       opened.start();
       set_session(opened);

@@ -8,8 +8,8 @@ export function EffortPart({ session }: { readonly session: ViewerSession }) {
   const text = t.settings.effort;
   const now = session.effort.value;
   const stop = effort.stop_of(now);
-  const set = (change: Partial<effort.Effort>) => session.set_effort({ ...now, ...change });
-  const done = () => undefined;
+  const set = (change: Partial<effort.Effort>, held = false) => session.set_effort({ ...now, ...change }, held);
+  const done = () => session.keep_effort();
   return (
     <>
       <Switch label={text.smooth} on={now.smooth} change={(smooth) => set({ smooth })} />
@@ -24,11 +24,11 @@ export function EffortPart({ session }: { readonly session: ViewerSession }) {
       </label>
       {stop === "error" ? (
         <NumberControl label={text.error} unit={t.settings.percent} value={100 * now.stop_error} limits={{ low: 100 * effort.stop_error_limits.low, high: 100 * effort.stop_error_limits.high }}
-          slide={{ low: 1, high: 50 }} logarithmic step={0.5} rest={done} change={(percent) => set({ stop_error: percent / 100 })} />
+          slide={{ low: 1, high: 50 }} logarithmic step={0.5} rest={done} change={(percent, held) => set({ stop_error: percent / 100 }, held)} />
       ) : null}
       {stop === "samples" ? (
         <NumberControl label={text.samples} value={now.stop_samples} limits={effort.stop_samples_limits} slide={{ low: 1, high: 10_000 }} logarithmic rest={done}
-          change={(samples) => set({ stop_samples: Math.round(samples) })} />
+          change={(samples, held) => set({ stop_samples: Math.round(samples) }, held)} />
       ) : null}
       <label class="control">
         <span class="control-name">{text.moving}</span>

@@ -3,9 +3,9 @@ import type { TransferFunction } from "../../../protocol/gen/api/proto/scene_pb"
 import { Modality } from "../../../protocol/messages";
 import { hex_of, hue_of, scaled, strength_of } from "../../../scene/colour";
 import * as transfer from "../../../scene/transfer";
+import { local } from "../../../storage";
 import { t } from "../../../texts";
 import { Icon } from "../../icons";
-import { keep, kept } from "../../kept";
 import { ColourControl, NumberControl, type WindowProps } from "./controls";
 import { PointControls } from "./point_controls";
 import { TransferGraph } from "./transfer_graph";
@@ -18,7 +18,7 @@ export function LookWindow({ session, leads }: WindowProps) {
   const scene = session.scene.value;
   const volume = session.volume.value;
   const [wanted, set_wanted] = useState({ channel: 0, point: 0 });
-  const [logarithmic, set_logarithmic] = useState(() => kept(key) !== "linear");
+  const [logarithmic, set_logarithmic] = useState(() => local.getItem(key) !== "linear");
   if (!scene) return null;
   const { channels } = transfer.transfer_of(scene);
   const index = Math.min(wanted.channel, channels.length - 1);
@@ -89,7 +89,7 @@ export function LookWindow({ session, leads }: WindowProps) {
             <span class="control-name">{text.scale}</span>
             <select class="choice" value={logarithmic ? "logarithmic" : "linear"} onChange={(event) => {
               set_logarithmic(event.currentTarget.value === "logarithmic");
-              keep(key, event.currentTarget.value);
+              local.setItem(key, event.currentTarget.value);
             }}>
               <option value="logarithmic">{text.logarithmic}</option>
               <option value="linear">{text.linear}</option>
