@@ -104,7 +104,10 @@ def test_a_turntable_shows_the_other_side_half_way_round(stack: TestStack, visit
     # What cannot be is said, and nothing is begun.
     dialog.get_by_label("Seconds").fill("61")
     dialog.get_by_role("button", name="Save the video").click()
-    expect(dialog.get_by_role("alert")).to_have_text("A video lasts 1 to 60 seconds. Please type a whole number.")
+    seconds = dialog.get_by_label("Seconds")
+    expect(seconds).to_be_focused()
+    expect(seconds).to_have_attribute("aria-invalid", "true")
+    expect(seconds).to_have_accessible_description("A video lasts 1 to 60 seconds. Please type a whole number.")
     ask_for_ten_frames(dialog)
     expect(dialog.get_by_text("10 pictures are rendered for it.")).to_be_visible()
     film = saved_film(page, dialog, tmp_path)

@@ -9,6 +9,9 @@ import { t } from "../texts";
 
 const asked_again_after_ms = 2000;
 
+/** A fault in words for the person who meets it. */
+export class Said extends Error {}
+
 /** What all pages share. */
 export class AppState {
   readonly api = new Api();
@@ -46,6 +49,7 @@ export class AppState {
 
   /** A sentence for what went wrong. A session that has ended leads to the sign-in. */
   explain(thrown: unknown): string {
+    if (thrown instanceof Said) return thrown.message;
     if (!(thrown instanceof ApiProblem)) return t.problems.internal;
     if (thrown.kind === "unauthenticated") this.me.value = null;
     return problem_text(thrown);

@@ -9,6 +9,7 @@ export const presets: Texts["presets"] = {
   name: "Name der neuen Voreinstellung",
   save: "Das Bild speichern, wie es jetzt ist",
   saved: (name) => `Als ${name} gespeichert.`,
+  unreadable: (name) => `Die Voreinstellung „${name}“ kann nicht gelesen werden.`,
   too_large: "Diese Datei ist zu groß für eine Voreinstellung.",
   crowd: "Wie andere sie ansehen",
   apply: (name) => `${name} zeigen`,

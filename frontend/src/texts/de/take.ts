@@ -54,7 +54,6 @@ export const take: Texts["take"] = {
   view_now: "Was Sie jetzt sehen",
   no_views: "Von dieser Aufnahme ist noch keine Voreinstellung gespeichert. Speichern Sie welche mit dem Stern oben, jede von dort, von wo Sie schauen wollen.",
   wrong_views: (most) => `Eine Tour geht durch 2 bis ${most} Ansichten.`,
-  view_unreadable: (name) => `Die Voreinstellung „${name}“ kann nicht gelesen werden.`,
   earlier: "Früher",
   earlier_of: (name) => `${name} früher`,
   save_film: "Das Video speichern",

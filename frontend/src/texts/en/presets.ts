@@ -7,6 +7,7 @@ export const presets = {
   name: "Name of the new preset",
   save: "Save the picture as it is now",
   saved: (name: string) => `Saved as ${name}.`,
+  unreadable: (name: string) => `The preset “${name}” cannot be read.`,
   too_large: "This file is too large to be a preset.",
   crowd: "How people look at it",
   apply: (name: string) => `Show ${name}`,

@@ -54,7 +54,6 @@ export const take = {
   view_now: "What you see now",
   no_views: "No preset of this scan is saved yet. Save some with the star above, each from where you want to look.",
   wrong_views: (most: number) => `A tour goes through 2 to ${most} views.`,
-  view_unreadable: (name: string) => `The preset “${name}” cannot be read.`,
   earlier: "Earlier",
   earlier_of: (name: string) => `${name} earlier`,
   save_film: "Save the video",

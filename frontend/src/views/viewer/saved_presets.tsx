@@ -2,7 +2,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { ApiProblem } from "../../api/client";
 import { preset_xml_path } from "../../api/sharing";
 import type { DataSet, PresetInfo } from "../../api/types";
-import { scene_from_json, scene_to_json } from "../../protocol/messages";
+import { scene_to_json } from "../../protocol/messages";
 import { t } from "../../texts";
 import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
@@ -12,6 +12,7 @@ import { ReportDialog } from "../report_dialog";
 import { Notice } from "../shell";
 import { useApp } from "../state";
 import { PresetPicture } from "../thumbnail";
+import { scene_of_preset } from "./preset_scene";
 
 const most_file_bytes = 256 * 1024;
 
@@ -110,8 +111,7 @@ function PresetRow({ preset, session, set, act, current }: PresetRowProps) {
   const text = t.presets;
   const api = app.api.presets;
   const apply = () => act(async () => {
-    const scene = scene_from_json(JSON.stringify((await api.get(preset.id)).scene));
-    if (scene) session.show_scene(scene);
+    session.show_scene(await scene_of_preset(api, preset.id));
     return "";
   });
   const vote = (value: -1 | 1) => act(async () => {
@@ -198,10 +198,7 @@ export function WantedPreset({ session }: { readonly session: ViewerSession }) {
     const wanted = ready ? look.exec(location.hash)?.[1] : undefined;
     if (wanted === undefined) return;
     history.replaceState(null, "", location.pathname); // a reload shows what the picture has become since
-    app.api.presets.get(wanted).then((preset) => {
-      const scene = scene_from_json(JSON.stringify(preset.scene));
-      if (scene) session.show_scene(scene);
-    }, () => undefined); // the picture is there without it
+    scene_of_preset(app.api.presets, wanted).then((scene) => session.show_scene(scene), () => undefined); // the picture is there without it
   }, [app, session, ready]);
   return null;
 }

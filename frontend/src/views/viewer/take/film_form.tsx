@@ -1,13 +1,14 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { PresetInfo } from "../../../api/types";
 import type { FileOrder } from "../../../protocol/file_messages";
-import { scene_from_json, type Scene } from "../../../protocol/messages";
 import { t } from "../../../texts";
 import { longest_film_s } from "../../../video/file_shot";
 import type { ViewerSession } from "../../../video/viewer_session";
 import { Choice } from "../../choice";
 import { Field } from "../../field";
+import { fault as faulty } from "../../form";
 import { useApp } from "../../state";
+import { scene_of_preset } from "../preset_scene";
 import { film_order, film_rates, film_sides, film_size, most_key_views, typed_seconds } from "./film_size";
 
 const errors = { quick: 0.05, good: 0.02 } as const;
@@ -28,28 +29,36 @@ export function FilmForm({ session, kind, busy, onTake }: FilmFormProps) {
   const [rate, set_rate] = useState("25");
   const [views, set_views] = useState<readonly View[]>([]);
   const [fault, set_fault] = useState("");
+  const [wrong_seconds, set_wrong_seconds] = useState("");
+  const form = useRef<HTMLFormElement>(null);
   const [preparing, set_preparing] = useState(false);
   const here = useRef(true);
   useEffect(() => () => {
     here.current = false;
   }, []);
+  // Once it is on the page: to what has to be mended, where its fault is read out.
+  useEffect(() => {
+    if (wrong_seconds) form.current?.querySelector<HTMLElement>("[aria-invalid]")?.focus();
+  }, [wrong_seconds]);
   const count = typed_seconds(seconds);
   const sized = (name: keyof typeof film_sides) => film_size(session.viewport, film_sides[name]);
   /** What was wrong is being mended. */
   const answered = <T,>(set: (value: T) => void) => (value: T) => {
     set_fault("");
+    set_wrong_seconds("");
     set(value);
   };
   const submit = async () => {
     set_fault("");
+    set_wrong_seconds("");
     const scene = session.scene.value;
     if (!scene) return;
-    if (count === null) { set_fault(text.wrong_seconds(longest_film_s)); return; }
+    if (count === null) { set_wrong_seconds(text.wrong_seconds(longest_film_s)); return; }
     const chosen = views.filter((view) => view.taken);
     if (kind === "tour" && (chosen.length < 2 || chosen.length > most_key_views)) { set_fault(text.wrong_views(most_key_views)); return; }
     set_preparing(true);
     try {
-      const keys = kind === "tour" ? await Promise.all(chosen.map((view) => scene_of(view, scene, app.api.presets))) : [scene];
+      const keys = kind === "tour" ? await Promise.all(chosen.map(async ({ preset }) => (preset ? await scene_of_preset(app.api.presets, preset.id) : scene))) : [scene];
       if (here.current) onTake(film_order({ kind, keys, size: sized(size), seconds: count, rate: Number(rate), error: errors[quality] }));
     } catch (thrown) {
       set_fault(app.explain(thrown));
@@ -57,14 +66,14 @@ export function FilmForm({ session, kind, busy, onTake }: FilmFormProps) {
     set_preparing(false);
   };
   return (
-    <form class="take-form" noValidate onSubmit={(event) => {
+    <form ref={form} class="take-form" noValidate onSubmit={(event) => {
       event.preventDefault();
       void submit();
     }}>
       <p class="muted">{kind === "tour" ? text.tour_lead : text.turntable_lead}</p>
       {kind === "tour" && session.data_set_id !== null ? <ViewList data_set_id={session.data_set_id} views={views} onViews={answered(set_views)} onFault={set_fault} /> : null}
       <div class="take-sides">
-        <Field label={text.seconds} value={seconds} onInput={answered(set_seconds)} digits most={3} />
+        <Field label={text.seconds} value={seconds} onInput={answered(set_seconds)} digits most={3} {...faulty(wrong_seconds)} />
         <Choice label={text.rate} value={rate} options={film_rates.map((n) => [String(n), String(n)])} onChoose={set_rate} />
       </div>
       <Choice label={text.size} value={size} options={(["small", "medium", "large"] as const).map((name) => [name, text.film_sizes[name](sized(name).width, sized(name).height)])}
@@ -81,13 +90,6 @@ export function FilmForm({ session, kind, busy, onTake }: FilmFormProps) {
 interface View {
   readonly preset: PresetInfo | null;
   readonly taken: boolean;
-}
-
-async function scene_of({ preset }: View, now: Scene, presets: { get(id: string): Promise<{ readonly scene: object }> }): Promise<Scene> {
-  if (preset === null) return now;
-  const scene = scene_from_json(JSON.stringify((await presets.get(preset.id)).scene));
-  if (scene === null) throw new Error(t.take.view_unreadable(preset.name));
-  return scene;
 }
 
 interface ViewListProps {
