@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import hashlib
+import json
+import math
+import re
 from pathlib import Path
 
 from playwright.sync_api import Locator, Page, expect
 
 from harness import TestStack
 from person import Person
-from picture import SIDE, facts, pixels, wait_for_samples
+from picture import SIDE, difference, facts, pixels, wait_for_samples
 from test_pages import check_page
 from test_settings import Hands, halves
 
@@ -201,6 +204,35 @@ def check_tools(page: Page) -> None:
     check_page(page)
 
 
+def look_focus_and_share_by_taps(hands: Hands) -> None:
+    """On a telephone: another look, what is sharp, and a link for others."""
+    page = hands.page
+    old, look = hands.picture(), page.locator("[data-preset=airways]")
+    hands.act(look.tap)
+    expect(look).to_have_attribute("aria-pressed", "true")
+    assert difference(old, hands.picture()) > 2
+    hands.act(page.locator("[data-preset=bone]").tap)
+    page.get_by_role("button", name="Lens and quality", exact=True).tap()
+    lens = page.get_by_role("dialog", name="Lens and quality", exact=True)
+    lens.get_by_role("button", name="Choose what is sharp").tap()
+    box = page.locator("canvas").bounding_box()
+    hands.act(lambda: page.touchscreen.tap(*middle(box)))
+    expect(page.get_by_role("button", name="Press what is to be sharp.")).to_have_count(0)
+    # The head's forehead: before the middle of the volume, and not at the eye.
+    camera = json.loads(hands.kept()[0])["camera"]
+    distance = math.dist([camera["eye"].get(axis, 0) for axis in "xyz"], [camera["target"].get(axis, 0) for axis in "xyz"])
+    assert 0.5 * distance < camera["focalDistance"] < distance, (camera, distance)
+    lens.get_by_role("button", name="Close Lens and quality").tap()
+    page.get_by_role("button", name="Share the picture").tap()
+    share = page.get_by_role("dialog")
+    share.get_by_role("button", name="Make a link").tap()
+    expect(share.get_by_label("The link to give away")).to_have_value(re.compile(r"^http.*/join#.+"))
+    share.get_by_role("button", name="End the link").tap()
+    expect(share.get_by_text("Ended. Who came by it has left.")).to_be_visible()
+    share.get_by_role("button", name="Close").last.tap()
+    expect(share).to_have_count(0)
+
+
 def test_nothing_covers_the_tools_and_a_finger_moves_a_light(stack: TestStack, visit, cranium: Path, pictures: Path):
     page = visit(phone=True)
     hands = open_viewer(stack, page, cranium, "vinger", 390, 844)
@@ -216,6 +248,7 @@ def test_nothing_covers_the_tools_and_a_finger_moves_a_light(stack: TestStack, v
     page.get_by_role("button", name="Got it").click()
     expect(page.get_by_role("complementary")).to_have_count(0)
 
+    look_focus_and_share_by_taps(hands)
     light = hands.window("Light")
     lamp = page.locator('[data-handle="light-0"]')
     expect(lamp).to_be_visible()
