@@ -150,9 +150,10 @@ std::variant<Options, Farewell> parse(int argc, const char* const* argv) {
   app.add_option("INPUT", options.input, "the scan")->required();
   auto* scene =
       app.add_option("--scene", options.scene_file, "scene file (JSON)")->type_name("FILE");
-  auto* preset = app.add_option("--preset", options.preset, "skin, muscle, vessels, bone or airways")
-                     ->type_name("NAME")
-                     ->excludes(scene);
+  auto* preset =
+      app.add_option("--preset", options.preset, "skin, muscle, vessels, bone or airways")
+          ->type_name("NAME")
+          ->excludes(scene);
   std::string size;
   app.add_option("--size", size, "picture size in pixels, default 512x512")
       ->type_name("WxH")

@@ -5,7 +5,8 @@
 #include "api/proto/stream.pb.h"
 #include "common/result.h"
 
-// What a browser says of a file that it wants to take away (docs/adr/0031), held against its bounds.
+// What a browser says of a file that it wants to take away (docs/adr/0031), held against its
+// bounds.
 
 namespace diaphane::render {
 

@@ -60,8 +60,8 @@ constexpr Vector kVessel{0.88, 0.13, 0.11};
 constexpr Vector kBone{0.95, 0.88, 0.74};
 constexpr Vector kLining{0.62, 0.86, 0.95};
 
-// Hounsfield units: air -1000, lung -850 to -700, fat -100, water 0, muscle 50, contrast 150 to 400, spongy bone from
-// 200, compact bone from 600.
+// Hounsfield units: air -1000, lung -850 to -700, fat -100, water 0, muscle 50, contrast 150 to
+// 400, spongy bone from 200, compact bone from 600.
 const Look kLooks[] = {
     {"skin",
      1.6,

@@ -10,9 +10,9 @@
 
 namespace diaphane::render {
 
-/// The presets (skin, muscle, vessels, bone, airways) fitted to a volume: camera in front of the patient, at
-/// a distance from which the whole box is seen; lights by the box's radius; ranges in Hounsfield
-/// units for CT, by percentiles otherwise.
+/// The presets (skin, muscle, vessels, bone, airways) fitted to a volume: camera in front of the
+/// patient, at a distance from which the whole box is seen; lights by the box's radius; ranges in
+/// Hounsfield units for CT, by percentiles otherwise.
 std::vector<diaphane::v1::Preset> presets_for(const volume::Header& header);
 Result<diaphane::v1::Preset> preset_for(const volume::Header& header, std::string_view name);
 
