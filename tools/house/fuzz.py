@@ -13,7 +13,7 @@ from pathlib import Path
 from . import build, install, paths
 from .says import HouseError, say, step, warn
 
-TARGETS = ("precheck", "codestream", "tar", "report", "volume")
+TARGETS = ("precheck", "codestream", "tar", "report", "volume", "viewer")
 SOURCES = paths.REPO / "tests" / "fuzz"
 #: A run longer than this, or larger, is a finding.
 SECONDS_A_RUN, MEGABYTES = 5, 1024

@@ -177,7 +177,7 @@ def googletest_count(report: dict) -> Count:
 
 # libFuzzer
 
-#: For each target; as many at a time as there are cores: five on two take three minutes. `./diaphane fuzz` takes its time.
+#: For each target; as many at a time as there are cores: six on two take three minutes. `./diaphane fuzz` takes its time.
 FUZZ_SECONDS = 60
 
 

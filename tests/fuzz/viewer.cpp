@@ -1,0 +1,143 @@
+// Any bytes as what one browser says to its session: messages one after the other, each behind its
+// length in two bytes. What is let in is then done: the depth is looked for, slices are cut, the
+// frames of a film are planned.
+#include <google/protobuf/stubs/logging.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderd/scene/file_order.h"
+#include "renderd/scene/film_path.h"
+#include "renderd/scene/presets.h"
+#include "renderd/session/depth.h"
+#include "renderd/session/state.h"
+#include "renderd/session/test_messages.h"
+#include "tests/fuzz/must.h"
+#include "volume/slices.h"
+
+using namespace diaphane;
+using namespace diaphane::render;
+
+namespace {
+
+// 12 x 10 x 8 voxels of a ball, tilted in the room.
+const volume::Volume& ball() {
+  static const volume::Volume made = [] {
+    volume::Volume v;
+    v.header.size = {12, 10, 8};
+    v.header.spacing = {8, 10, 12};
+    v.header.direction = {0, 1, 0, 0, 0, 1, 1, 0, 0};
+    for (int z = 0; z < 8; ++z) {
+      for (int y = 0; y < 10; ++y) {
+        for (int x = 0; x < 12; ++x) {
+          const bool inside = std::hypot(x - 5.5, y - 4.5, z - 3.5) < 3.5;
+          v.voxels.push_back(inside ? 900 : -1000);
+        }
+      }
+    }
+    volume::measure(v);
+    return v;
+  }();
+  return made;
+}
+
+class Browser {
+ public:
+  Browser() {
+    state_.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
+    const auto attached = attach(state_, {}, now_);
+    MUST(attached.has_value());
+    connection_ = attached->connection;
+    hear(hello());
+  }
+
+  void hear(const v1::ClientMessage& message) {
+    now_ += std::chrono::milliseconds(60);
+    if (message.has_slices()) return slices(message.slices());
+    if (message.has_key_view() || message.has_file()) return file(message);
+    const Outcome outcome = receive(state_, connection_, message, now_);
+    if (outcome.problem) MUST(!outcome.problem->message().empty());
+    if (!state_.wanted.scene) return;
+    MUST(check_scene(*state_.wanted.scene).has_value());
+    MUST(is_sound(state_.wanted.viewport) || state_.wanted.viewport == Canvas{});
+    if (outcome.wake && is_sound(state_.wanted.viewport)) began(state_, ++epoch_, state_.wanted);
+    if (outcome.depth) depth(*outcome.depth);
+  }
+
+ private:
+  void depth(const v1::DepthQuery& query) const {
+    MUST(query.x() >= 0 && query.x() <= 1 && query.y() >= 0 && query.y() <= 1);
+    static const auto coarse = coarse_of(ball());
+    if (!state_.shown.scene || !is_sound(state_.shown.viewport)) return;
+    const auto seen =
+        seen_at(*coarse, *state_.shown.scene, state_.shown.viewport, query.x(), query.y());
+    if (!seen) return;
+    MUST(std::isfinite(seen->distance) && seen->distance >= 0);
+    MUST(std::isfinite(seen->place.x + seen->place.y + seen->place.z));
+  }
+
+  void slices(const v1::SlicesWanted& wanted) {
+    static const SliceStacks stacks = stacks_of(ball().header);
+    if (const auto noted = wishes_.wish(wanted, stacks); !noted) {
+      MUST(!noted.error().field.empty());
+      return;
+    }
+    for (std::size_t sent = 0;; ++sent) {
+      const auto due = wishes_.take(now_);
+      if (!due) return;
+      MUST(sent < stacks.size());
+      const volume::SliceStack& stack = stacks.at(due->plane);
+      const auto values = volume::slice_of(ball(), stack, due->index);
+      MUST(values && values->size() == std::size_t{stack.columns} * stack.rows);
+      wishes_.depart();
+    }
+  }
+
+  void file(const v1::ClientMessage& message) {
+    if (message.has_key_view()) {
+      (void)note_key_view(keys_, message.key_view());
+      MUST(keys_.size() <= kMostKeyViews);
+    } else if (message.file().has_picture()) {
+      const v1::LargePicture& picture = message.file().picture();
+      if (check_picture(picture, keys_)) {
+        MUST(picture.width() <= kLongestCanvas && picture.height() <= kLongestCanvas);
+      }
+    } else if (message.file().has_film()) {
+      film(message.file().film());
+    }
+  }
+
+  void film(const v1::Film& film) const {
+    if (!check_film(film, keys_)) return;
+    MUST(film.frames() >= 2 && film.frames() <= kLongestFilmSeconds * 60);
+    for (const std::uint32_t frame : {0u, 1u, film.frames() / 2, film.frames() - 1}) {
+      const auto sound = check_scene(film_frame(film, keys_, frame));
+      if (!sound)
+        std::fprintf(stderr, "%s %s\n", sound.error().field.c_str(), sound.error().message.c_str());
+      MUST(sound.has_value());
+    }
+  }
+
+  SessionState state_;
+  SliceWishes wishes_;
+  std::vector<v1::Scene> keys_;
+  TimePoint now_{std::chrono::seconds(1)};
+  std::uint64_t connection_ = 0, epoch_ = 0;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
+  // Of each text that is no UTF-8 a line: findings would be lost among them.
+  static auto* const silenced = google::protobuf::SetLogHandler(nullptr);
+  (void)silenced;
+  Browser browser;
+  while (size >= 2) {
+    const std::size_t length = std::min<std::size_t>(data[0] + 256 * data[1], size - 2);
+    v1::ClientMessage message;
+    if (message.ParseFromArray(data + 2, static_cast<int>(length))) browser.hear(message);
+    data += 2 + length;
+    size -= 2 + length;
+  }
+  return 0;
+}
