@@ -156,7 +156,7 @@ def test_a_tour_goes_from_one_saved_preset_to_the_next(stack: TestStack, visit, 
         wait_for_samples(stack, page, 4, input_seq=before + 1)
     dialog = taking(page, "tour")
     page.screenshot(path=pictures / "tour-dialog.png")
-    dialog.get_by_label("What you see now").uncheck()
+    dialog.get_by_role("checkbox", name="What you see now").uncheck()
     ask_for_ten_frames(dialog)
     film = saved_film(page, dialog, tmp_path)
     width, height = expect_plain_film(film, frames=10, rate=10, seconds=1)
