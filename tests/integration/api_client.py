@@ -197,6 +197,15 @@ def make_ready(stack: TestStack, data_set_id: str) -> None:
                   spacing_x = 1, spacing_y = 1, spacing_z = 2.5, volume_bytes = 12000, repairs = '{one repair}'
                   WHERE id = %s""", data_set_id)
     stack.psql("DELETE FROM ingest_jobs WHERE data_set_id = %s", data_set_id)
+    stack.psql("DELETE FROM uploads WHERE data_set_id = %s", data_set_id)
+
+
+def ready_without_upload(stack: TestStack, owner: Person) -> str:
+    """A data set that is ready although nothing was sent: an ingestd that runs has nothing to read, and refuses nothing."""
+    data_set = owner.data_set()["data_set"]["id"]
+    make_ready(stack, data_set)
+    (stack.data_dir / "uploads" / f"{data_set}.tar").unlink(missing_ok=True)
+    return data_set
 
 
 def add_worker(stack: TestStack, name: str, slots: int = 4, seconds: int = 60) -> None:

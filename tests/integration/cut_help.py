@@ -10,7 +10,7 @@ import uuid
 from pathlib import Path
 
 import numpy
-from api_client import make_ready
+from api_client import ready_without_upload
 
 SIDE = 32
 # Voxels that nothing else makes: eight in a row, in what is cut away.
@@ -50,12 +50,7 @@ def store(stack, data_set: str) -> str:
 
 def marked_scan(stack, owner) -> tuple[str, str]:
     """A ready data set of somebody with the mark in it, and the hash of its volume."""
-    stack.stop("ingestd")  # it would read the upload that stands for one
-    data_set = owner.upload(b"x" * 100)["id"]
-    make_ready(stack, data_set)
-    stack.psql("INSERT INTO disposals (kind, id) VALUES ('upload', %s)", data_set)
-    stack.start("ingestd")
-    stack.wait_ready("ingestd")
+    data_set = ready_without_upload(stack, owner)
     return data_set, store(stack, data_set)
 
 

@@ -12,7 +12,7 @@ import subprocess
 import time
 import uuid
 
-from api_client import Person, make_ready
+from api_client import Person, ready_without_upload
 from harness import TestStack
 from house.bench_client import messages
 from websockets.exceptions import ConnectionClosed
@@ -27,7 +27,7 @@ PROGRAMS = ("postgres", "redis", "api", "renderd", "edge")
 
 def store_ball(stack: TestStack, owner: Person, size: int = 48) -> str:
     """A ball of bone in air, in the volume store and ready, as ingest would have left it."""
-    data_set = owner.upload(b"x" * 100)["id"]
+    data_set = ready_without_upload(stack, owner)
     middle, radius = (size - 1) / 2, size * 0.35
     voxels = bytearray()
     for z in range(size):
@@ -46,10 +46,6 @@ def store_ball(stack: TestStack, owner: Person, size: int = 48) -> str:
     (folder / "voxels.i16").write_bytes(voxels)
     for path in (folder, *folder.iterdir()):
         stack.stack.run_as.own(path)
-    make_ready(stack, data_set)
-    upload = stack.data_dir / "uploads" / f"{data_set}.tar"
-    if upload.exists():
-        os.unlink(upload)
     return data_set
 
 
