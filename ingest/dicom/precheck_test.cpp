@@ -137,8 +137,8 @@ std::string nested(int depth, bool undefined) {
 
 TEST(Precheck, SequencesAreNestedAtMostSixteenDeep) {
   for (const bool undefined : {false, true}) {
-    EXPECT_EQ(check(header() + nested(16, undefined)).state, FileState::kFit);
-    EXPECT_EQ(check(header() + nested(17, undefined)).state, FileState::kTooLarge);
+    EXPECT_EQ(check(header() + nested(16, undefined) + sizes(2, 3)).state, FileState::kFit);
+    EXPECT_EQ(check(header() + nested(17, undefined) + sizes(2, 3)).state, FileState::kTooLarge);
   }
 }
 
@@ -283,6 +283,13 @@ TEST(Precheck, WhatCanBeUnderstoodInTwoWaysIsDamage) {
   EXPECT_EQ(
       check(header() + element(0x28, 0x10, "UL", u32(2)) + pixels(12, std::string(12, 'p'))).state,
       FileState::kDamaged);
+}
+
+TEST(Precheck, AFileOfNothingThatIsReadIsDamage) {
+  const std::string own = element(0x09, 0x10, "LO", "OF ITS OWN ");
+  EXPECT_EQ(check(header() + own).state, FileState::kDamaged);
+  const Precheck some = check(header() + own + element(0x08, 0x60, "CS", "CT"));
+  EXPECT_EQ(some.state, FileState::kFit) << some.text;
 }
 
 TEST(Precheck, OtherFilesAreNotDicom) {
