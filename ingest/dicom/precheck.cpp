@@ -338,9 +338,9 @@ Precheck precheck(Bytes file, const Limits& limits) {
   if (walked.state != FileState::kFit) return give_up(walked.state, walked.text);
   check_pixels(data, walked, limits, result);
   if (result.state != FileState::kFit) return give_up(result.state, std::move(result.text));
-  // GDCM ends its program at a file that has its header alone, as this one's `plain` would.
-  if (walked.kept.empty()) {
-    return give_up(FileState::kDamaged, "the file says nothing of a picture");
+  // GDCM ends its program at a header alone, as `plain` would be then.
+  if (walked.has_pixels && walked.kept.empty()) {
+    return give_up(FileState::kDamaged, "there are pixels, and nothing says of what picture");
   }
   result.has_lookup_table = walked.has_lookup_table;
   if (syntax->deflated) result.syntax = *find_syntax(kExplicitLittle);  // as `plain` is
