@@ -23,18 +23,6 @@ const char* kind_name(Kind kind) {
   return "Pod";
 }
 
-const char* collection(Kind kind) {
-  switch (kind) {
-    case Kind::kFleet:
-      return "renderfleets";
-    case Kind::kWorker:
-      return "renderworkers";
-    case Kind::kPod:
-      return "pods";
-  }
-  return "pods";
-}
-
 std::string key(Kind kind, const std::string& name) {
   return std::string(collection(kind)) + "/" + name;
 }
@@ -103,10 +91,7 @@ Result<void> Carrier::carry_out(const std::vector<const Action*>& actions, const
 }
 
 std::string Carrier::path(Kind kind, const std::string& name, const char* part) const {
-  std::string path = kind == Kind::kPod ? "/api/v1" : std::string("/apis/") + kVersion;
-  path += "/namespaces/" + options_.name_space + "/" + collection(kind);
-  if (!name.empty()) path += "/" + name;
-  return path + part;
+  return path_of(options_.name_space, kind, name) + part;
 }
 
 Result<void> Carrier::wrote(Kind kind, const Result<Json>& answer, Turn& turn) {

@@ -149,6 +149,24 @@ Json fleet_status_patch(const Target& target, const FleetStatus& status) {
   return patch;
 }
 
+const char* collection(Kind kind) {
+  switch (kind) {
+    case Kind::kFleet:
+      return "renderfleets";
+    case Kind::kWorker:
+      return "renderworkers";
+    case Kind::kPod:
+      return "pods";
+  }
+  return "pods";
+}
+
+std::string path_of(const std::string& name_space, Kind kind, const std::string& name) {
+  std::string path = kind == Kind::kPod ? "/api/v1" : std::string("/apis/") + kVersion;
+  path += "/namespaces/" + name_space + "/" + collection(kind);
+  return name.empty() ? path : path + "/" + name;
+}
+
 Json without_finalizer(Json object) {
   Json& all = object["metadata"]["finalizers"];
   if (all.is_array()) all.erase(std::remove(all.begin(), all.end(), kFinalizer), all.end());

@@ -29,6 +29,11 @@ Json drain_patch(const Target& target, const Drain& drain);
 Json worker_status_patch(const Target& target, const WorkerStatus& status);
 Json fleet_status_patch(const Target& target, const FleetStatus& status);
 
+/// "renderfleets"
+const char* collection(Kind kind);
+/// At the API server; without a name of the whole collection.
+std::string path_of(const std::string& name_space, Kind kind, const std::string& name = {});
+
 /// The object as it was read, without our finalizer.
 Json without_finalizer(Json object);
 

@@ -1,10 +1,8 @@
 #include "operator/act/retire.h"
 
-#include <algorithm>
-
 #include "common/log.h"
 #include "operator/kube/fields.h"
-#include "operator/names.h"
+#include "operator/observe/objects.h"
 
 namespace diaphane::fleet {
 namespace {
@@ -12,29 +10,18 @@ namespace {
 using kube::part;
 using kube::text;
 
-std::string path_of(const RetireOptions& options, Kind kind, const std::string& name = {}) {
-  std::string path = "/apis/" + std::string(kVersion) + "/namespaces/" + options.name_space;
-  path += kind == Kind::kFleet ? "/renderfleets" : "/renderworkers";
-  return name.empty() ? path : path + "/" + name;
-}
-
-bool is_held(const Json& object) {
-  const Json& all = part(part(object, "metadata"), "finalizers");
-  return all.is_array() && std::find(all.begin(), all.end(), Json(kFinalizer)) != all.end();
-}
-
 void add_steps(std::vector<RetireStep>& steps, Kind kind, const Json& object, bool let_go) {
   // Its finalizer goes after: an operator that is there would put it back before.
   if (text(part(object, "metadata"), "deletionTimestamp").empty()) {
     steps.push_back({RetireStep::What::kDelete, kind, object});
-  } else if (let_go && is_held(object)) {
+  } else if (let_go && has_finalizer(part(object, "metadata"))) {
     steps.push_back({RetireStep::What::kLetGo, kind, object});
   }
 }
 
 Result<Remains> look(kube::Api& api, const RetireOptions& options, bool in_time) {
   Remains left;
-  auto fleet = api.get(path_of(options, Kind::kFleet, options.fleet));
+  auto fleet = api.get(path_of(options.name_space, Kind::kFleet, options.fleet));
   if (fleet) {
     left.fleet = std::move(*fleet);
   } else if (fleet.error().code != ErrorCode::kNotFound) {
@@ -42,7 +29,7 @@ Result<Remains> look(kube::Api& api, const RetireOptions& options, bool in_time)
   }
   // Thousands of them: not read while nothing would be done about them.
   if (left.fleet && in_time) return left;
-  auto list = api.get(path_of(options, Kind::kWorker));
+  auto list = api.get(path_of(options.name_space, Kind::kWorker));
   if (!list) return tl::unexpected(list.error());
   for (const Json& worker : part(*list, "items")) {
     if (text(part(worker, "spec"), "fleetName") == options.fleet) left.workers.push_back(worker);
@@ -52,7 +39,7 @@ Result<Remains> look(kube::Api& api, const RetireOptions& options, bool in_time)
 
 Result<void> carry_out(kube::Api& api, const RetireOptions& options, const RetireStep& step) {
   const Json& metadata = part(step.object, "metadata");
-  const std::string path = path_of(options, step.kind, text(metadata, "name"));
+  const std::string path = path_of(options.name_space, step.kind, text(metadata, "name"));
   if (step.what == RetireStep::What::kDelete) {
     return api.remove(path, {text(metadata, "uid"), {}});
   }

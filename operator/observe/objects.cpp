@@ -30,11 +30,6 @@ Labels labels(const Json& object) {
   return labels;
 }
 
-bool has_finalizer(const Json& metadata) {
-  const Json& all = part(metadata, "finalizers");
-  return all.is_array() && std::find(all.begin(), all.end(), kFinalizer) != all.end();
-}
-
 struct Owner {
   std::string name, uid;
 };
@@ -153,6 +148,11 @@ int gpus_of(const Json& spec) {
 }
 
 }  // namespace
+
+bool has_finalizer(const Json& metadata) {
+  const Json& all = part(metadata, "finalizers");
+  return all.is_array() && std::find(all.begin(), all.end(), kFinalizer) != all.end();
+}
 
 Template Templates::intern(const std::string& hash, const Json& pods) {
   const std::lock_guard lock(mutex_);

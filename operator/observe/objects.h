@@ -17,6 +17,9 @@ namespace diaphane::fleet {
 using Json = nlohmann::json;
 using Template = std::shared_ptr<const Json>;
 
+/// Whether an object of this metadata waits for us before it goes.
+bool has_finalizer(const Json& metadata);
+
 struct FleetObject {
   std::string name, uid, version;
   Fleet fleet;
