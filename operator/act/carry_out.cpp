@@ -5,7 +5,6 @@
 #include "common/log.h"
 #include "operator/act/objects.h"
 #include "operator/kube/informer.h"
-#include "operator/names.h"
 #include "operator/plan/parts.h"
 
 namespace diaphane::fleet {
