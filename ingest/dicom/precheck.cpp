@@ -267,6 +267,11 @@ void check_pixels(Bytes data, const Walked& walked, const Limits& limits, Preche
     return refuse_with(FileState::kTooLarge, "there are more frames than are allowed");
   }
   if (!walked.has_pixels) return;
+  // Without its size no picture can be made. Nor is a header alone ever made of such a file, or of
+  // a frame of it: GDCM ends its program at one.
+  if (result.rows == 0 || result.columns == 0) {
+    return refuse_with(FileState::kDamaged, "there are pixels, and nothing says of what picture");
+  }
   if (!walked.encapsulated) {
     if (result.syntax.packing != Packing::kNative) {
       return refuse_with(FileState::kDamaged, "compressed pixels are missing");
@@ -338,10 +343,6 @@ Precheck precheck(Bytes file, const Limits& limits) {
   if (walked.state != FileState::kFit) return give_up(walked.state, walked.text);
   check_pixels(data, walked, limits, result);
   if (result.state != FileState::kFit) return give_up(result.state, std::move(result.text));
-  // GDCM ends its program at a header alone, as `plain` would be then.
-  if (walked.has_pixels && walked.kept.empty()) {
-    return give_up(FileState::kDamaged, "there are pixels, and nothing says of what picture");
-  }
   result.has_lookup_table = walked.has_lookup_table;
   if (syntax->deflated) result.syntax = *find_syntax(kExplicitLittle);  // as `plain` is
   result.plain = plain_file(data, walked.kept, result.syntax.uid, result.elements);

@@ -289,6 +289,10 @@ TEST(Precheck, PixelsOfWhichNothingIsSaidAreDamage) {
   const std::string own = element(0x09, 0x10, "LO", "OF ITS OWN ");
   EXPECT_EQ(check(header() + own + pixels(2, "pq")).state, FileState::kDamaged);
   EXPECT_EQ(check(header() + own).state, FileState::kFit) << "no slice, and GDCM is not asked";
+  // One frame's file is without the number of frames: nothing would be left of this one's header.
+  EXPECT_EQ(check(header() + element(0x28, 8, "IS", "2 ") + pixels(2, "pq")).state,
+            FileState::kDamaged);
+  EXPECT_EQ(check(header() + sizes(0, 3) + pixels(2, "pq")).state, FileState::kDamaged);
 }
 
 TEST(Precheck, OtherFilesAreNotDicom) {
