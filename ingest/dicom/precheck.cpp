@@ -253,7 +253,9 @@ void check_pixels(Bytes data, const Walked& walked, const Limits& limits, Preche
   result.frames = walked.frames.value_or(1);
   result.has_pixels = walked.has_pixels;
   const std::uint64_t bits = walked.bits_allocated.value_or(16);
-  std::uint64_t frame = times(times(result.rows, result.columns), walked.samples.value_or(1));
+  const std::uint64_t samples = walked.samples.value_or(1);
+  std::uint64_t frame =
+      times(times(result.rows, result.columns), std::max(samples, std::uint64_t{1}));
   frame = times(frame, std::max<std::uint64_t>((bits + 7) / 8, 1));
   const std::uint64_t bytes = times(frame, result.frames);
   const auto refuse_with = [&](FileState state, std::string_view text) {
@@ -267,9 +269,9 @@ void check_pixels(Bytes data, const Walked& walked, const Limits& limits, Preche
     return refuse_with(FileState::kTooLarge, "there are more frames than are allowed");
   }
   if (!walked.has_pixels) return;
-  // Without its size no picture can be made. Nor is a header alone ever made of such a file, or of
+  // Without these no picture can be made. Nor is a header alone ever made of such a file, or of
   // a frame of it: GDCM ends its program at one.
-  if (result.rows == 0 || result.columns == 0) {
+  if (result.rows == 0 || result.columns == 0 || samples == 0) {
     return refuse_with(FileState::kDamaged, "there are pixels, and nothing says of what picture");
   }
   if (!walked.encapsulated) {

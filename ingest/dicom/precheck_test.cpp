@@ -293,6 +293,14 @@ TEST(Precheck, PixelsOfWhichNothingIsSaidAreDamage) {
   EXPECT_EQ(check(header() + element(0x28, 8, "IS", "2 ") + pixels(2, "pq")).state,
             FileState::kDamaged);
   EXPECT_EQ(check(header() + sizes(0, 3) + pixels(2, "pq")).state, FileState::kDamaged);
+  // No samples do not make the largest picture one of no bytes.
+  const std::string none = element(0x28, 2, "US", u16(0)) + element(0x28, 0x10, "US", u16(65535)) +
+                           element(0x28, 0x11, "US", u16(65535));
+  EXPECT_EQ(check(header() + none + pixels(2, "pq")).state, FileState::kTooLarge);
+  EXPECT_EQ(check(header() + element(0x28, 2, "US", u16(0)) + element(0x28, 0x10, "US", u16(1)) +
+                  element(0x28, 0x11, "US", u16(1)) + pixels(2, "pq"))
+                .state,
+            FileState::kDamaged);
 }
 
 TEST(Precheck, OtherFilesAreNotDicom) {
