@@ -20,8 +20,8 @@ from pathlib import Path
 import httpx
 import redis as redis_client
 from conftest import wait_for
-from operator_help import Cluster, Redis
-from plane import Plane
+from operator_help import GROUP, Cluster, Redis
+from plane import ORDER, Plane
 
 from house import paths, users
 from house.bench import percentile
@@ -213,10 +213,10 @@ class ScaleCluster(Cluster):
 
 
 @contextmanager
-def cluster(nodes: int, gpus: int = 8):
+def cluster(nodes: int, gpus: int = 8, only: tuple[str, ...] = ORDER):
     folder, run_as = Path(tempfile.mkdtemp(prefix="diaphane-scale-")), users.ordinary_user()
     run_as.own(folder)
-    plane = Plane(folder, run_as, flags=_FLAGS).start()
+    plane = Plane(folder, run_as, flags=_FLAGS, only=only).start()
     made = None
     try:
         plane.define_resources()
@@ -285,6 +285,48 @@ def restart(made: ScaleCluster, operator) -> dict:
     path = f"/api/v1/namespaces/{made.namespace}/pods/{name}"
     wait_for(lambda: made.plane.api.get(path).status_code == 200, "the pod that is missing", timeout=300)
     return {"listed_s": listed, "acting_s": time.monotonic() - began, "rss_restarted_mb": held(second.process.pid)["memory"]}
+
+
+def left_behind(made: ScaleCluster, count: int) -> float:
+    """So many RenderWorkers as an operator made them, without pods; seconds that it took. One is the operator's own, the others are like it."""
+    first = made.operator()
+    made.fleet(replicas=1, sessionsPerWorker=16)
+    own = wait_for(made.workers, "the operator's own worker")[0]
+    assert first.stop() == 0
+    about, path = own["metadata"], f"{GROUP}/namespaces/{made.namespace}/renderworkers"
+    gpus = [one["metadata"]["name"] for one in made.plane.api.get("/api/v1/nodes").json()["items"] for _ in range(8)]
+    gpus.remove(own["spec"]["nodeName"])
+    names = [f"skull-{number}" for number in range(count) if f"skull-{number}" != about["name"]]
+    began, share = time.monotonic(), threading.local()
+
+    def make(name: str, node: str) -> None:
+        if not hasattr(share, "api"):
+            share.api = made.plane.client()
+        share.api.post(path, json={"apiVersion": own["apiVersion"], "kind": own["kind"], "spec": {**own["spec"], "nodeName": node}, "metadata": {
+            "name": name, "labels": {**about["labels"], "diaphane.dev/worker": name}, "finalizers": about["finalizers"],
+            "ownerReferences": about["ownerReferences"]}}).raise_for_status()
+    with ThreadPoolExecutor(8) as making:
+        list(making.map(make, names, gpus))
+    made.plane.kubectl("scale", "rf/skull", f"--replicas={count}", "-n", made.namespace)
+    return time.monotonic() - began
+
+
+def listed(workers: int) -> dict:
+    """An operator begins among the RenderWorkers of one before: until it has read them, and until the first pod that is missing is there.
+    Only etcd and the API server run, so nobody binds the pods."""
+    with cluster(-(-workers // 8), only=("etcd", "kube-apiserver")) as made:
+        made.plane.apply({"apiVersion": "v1", "kind": "ServiceAccount", "metadata": {"name": "default", "namespace": made.namespace}})
+        made_s = left_behind(made, workers)
+        pods, before = f"/api/v1/namespaces/{made.namespace}/pods", len(made.pods())
+        began = time.monotonic()
+        operator = made.operator()
+        wait_for(lambda: operator.ready().get("checks", {}).get("listed"), "all listed", timeout=300)
+        seen = time.monotonic() - began
+        wait_for(lambda: len(made.plane.api.get(pods, params={"limit": before + 1}).json()["items"]) > before, "the first pod", timeout=300)
+        acting = time.monotonic() - began
+        time.sleep(20)
+        return {"workers": workers, "made_s": made_s, "listed_s": seen, "acting_s": acting, "pods_after_20_s": len(made.pods()) - before,
+                "memory_mb": held(operator.process.pid)["memory"], "over_committed_nodes": len(made.over_committed())}
 
 
 def cold(times: int) -> dict:

@@ -13,9 +13,9 @@ from ..bench import Result
 from ..says import HouseError, say
 from . import cluster_plan
 
-ABOUT = "1000 nodes x 8 GPUs (kwok): filling, idle, restart, cold start; placing 45 sessions a second; load spread (--part place|fill|cold|plan, --nodes)"
+ABOUT = "1000 nodes x 8 GPUs (kwok): filling, idle, restart, cold start; placing 45 sessions a second; load spread (--part place|fill|listed|cold|plan, --nodes)"
 PROGRAMS = ("diaphane-operator", "diaphane-operator-bench")
-PARTS = ("place", "fill", "cold", "plan")
+PARTS = ("place", "fill", "listed", "cold", "plan")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -30,7 +30,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     options.out.mkdir(parents=True, exist_ok=True)
     parts = (options.part,) if options.part else PARTS
-    if set(parts) & {"fill", "cold"} and (missing := kubernetes.missing()):
+    if set(parts) & {"fill", "listed", "cold"} and (missing := kubernetes.missing()):
         raise HouseError(f"not built: {', '.join(missing)}; ./diaphane test cluster builds them")
     sys.path[:0] = [str(paths.REPO / "tests" / "cluster")]
     nodes = options.nodes or (20 if quick else 1000)
@@ -85,6 +85,24 @@ def filled(found: dict) -> list[Result]:
             Result("after a restart: acting", found["acting_s"], "s", 0, 10, found["acting_s"] <= 10)]
 
 
+def _listed(quick: bool, options: argparse.Namespace, nodes: int) -> list[Result]:
+    from scale_run import listed
+
+    # 10,000 as the bound has it, on as many nodes as they need.
+    found = listed(8 * options.nodes if options.nodes else 160 if quick else 10_000)
+    _write(options, "listed", found)
+    return restarted(found)
+
+
+def restarted(found: dict) -> list[Result]:
+    over = found["over_committed_nodes"]
+    return [Result(f"{found['workers']} workers found by an operator that begins: all listed", found["listed_s"], "s"),
+            Result("the first pod that was missing", found["acting_s"], "s", 0, 10, found["acting_s"] <= 10),
+            Result("pods made in the 20 s after that", found["pods_after_20_s"], ""),
+            Result("operator's memory then", found["memory_mb"], "MB", 0, 200, found["memory_mb"] <= 200),
+            Result("nodes with more workers than GPUs", over, "", 0, 0, over == 0)]
+
+
 def _cold(quick: bool, options: argparse.Namespace, nodes: int) -> list[Result]:
     from scale_run import cold
 
@@ -99,4 +117,4 @@ def _plan(quick: bool, options: argparse.Namespace, nodes: int) -> list[Result]:
     return cluster_plan.measure(quick, argparse.Namespace(sessions=None, devices=None, seconds=None, seed=1, out=options.out))
 
 
-_PARTS = {"place": _place, "fill": _fill, "cold": _cold, "plan": _plan}
+_PARTS = {"place": _place, "fill": _fill, "listed": _listed, "cold": _cold, "plan": _plan}
