@@ -46,11 +46,16 @@ class Redis:
     """A Redis of the test's own."""
 
     def __init__(self, folder: Path, run_as):
+        self.folder, self.run_as = folder, run_as
         self.port = next(iter(ports.random_free().values()))
-        self.process = subprocess.Popen([*WITHOUT_CORE_FILES, "/usr/bin/redis-server", "--port", str(self.port), "--bind", "127.0.0.1",
-                                         "--save", "", "--appendonly", "no", "--dir", str(folder)],
-                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True, **run_as.popen())
         self.client = redis_client.Redis(port=self.port, decode_responses=True)
+        self.start()
+
+    def start(self) -> None:
+        """Again after stop(), with nothing in it."""
+        self.process = subprocess.Popen([*WITHOUT_CORE_FILES, "/usr/bin/redis-server", "--port", str(self.port), "--bind", "127.0.0.1",
+                                         "--save", "", "--appendonly", "no", "--dir", str(self.folder)],
+                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True, **self.run_as.popen())
         wait_for(self._answers, "Redis")
 
     def _answers(self) -> bool:
