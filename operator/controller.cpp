@@ -235,7 +235,10 @@ void Controller::run_telemetry(const std::stop_token& stop) {
       log::info(answer ? "redis_connected" : "redis_lost");
     }
     redis_answers_ = answer.has_value();
-    if (!answer) continue;
+    if (!answer) {
+      book_.missed();
+      continue;
+    }
     const Seconds now = wall();
     book_.note(read_telemetry(*answer, names, now), now);
     changed();

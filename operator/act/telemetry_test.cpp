@@ -65,16 +65,34 @@ TEST(TelemetryBook, KeepsTheLastSampleOfWhoHasGoneSilent) {
       read_telemetry(answer({list({"skull/w/3", "0", "0", "0", "1", "1", "16", "0", "0", "0"})}),
                      {"skull"}, 100),
       100);
-  book.note(read_telemetry(answer({}), {"skull"}, 120), 120);
+  book.note(read_telemetry(answer({}), {"skull"}, 102), 102);
   world.now = 120;
   book.fill(world);
   ASSERT_EQ(world.telemetry.size(), 1U);
   EXPECT_EQ(world.telemetry[0].sampled, 100);
   EXPECT_EQ(world.listening_since, 100);
-  EXPECT_EQ(world.demand[0].sampled, 120);
+  EXPECT_EQ(world.listened_until, 102);
+  EXPECT_EQ(world.demand[0].sampled, 102);
   World without;
   book.fill(without);
   EXPECT_TRUE(without.telemetry.empty());
+}
+
+TEST(TelemetryBook, ListensAnewAfterAGap) {
+  TelemetryBook book;
+  const auto since = [&] {
+    World world;
+    book.fill(world);
+    return world.listening_since;
+  };
+  for (const Seconds now : {100, 101, 103}) book.note({}, now);
+  EXPECT_EQ(since(), 100);
+  book.missed();
+  EXPECT_EQ(since(), 100);
+  book.note({}, 104);
+  EXPECT_EQ(since(), 104);
+  book.note({}, 108);  // it stood still itself
+  EXPECT_EQ(since(), 108);
 }
 
 }  // namespace

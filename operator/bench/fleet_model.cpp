@@ -328,6 +328,7 @@ void FleetModel::run_sessions(Figures& figures, bool measured, int target) {
 
 void FleetModel::take_samples() {
   world_.telemetry.clear();
+  world_.listened_until = world_.now;
   int used = 0;
   for (const Worker& one : world_.workers) {
     Device& device = devices_[static_cast<std::size_t>(device_of(one.name))];

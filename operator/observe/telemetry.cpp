@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <set>
+#include <utility>
 
 #include "operator/observe/fleets_script.h"
+#include "operator/plan/plan.h"
 
 namespace diaphane::fleet {
 namespace {
@@ -68,13 +70,19 @@ Reading read_telemetry(const Reply& reply, const std::vector<std::string>& fleet
 
 void TelemetryBook::note(Reading reading, Seconds now) {
   const std::lock_guard lock(mutex_);
-  if (listening_since_ == 0) listening_since_ = now;
+  if (std::exchange(gap_, false) || now - listened_until_ > kHeartbeat) listening_since_ = now;
+  listened_until_ = now;
   for (Telemetry& sample : reading.telemetry) {
     auto key = std::make_pair(sample.worker_uid, sample.epoch);
     Telemetry& known = samples_[std::move(key)];
     if (sample.sampled >= known.sampled) known = std::move(sample);
   }
   demand_ = std::move(reading.demand);
+}
+
+void TelemetryBook::missed() {
+  const std::lock_guard lock(mutex_);
+  gap_ = true;
 }
 
 void TelemetryBook::fill(World& world) {
@@ -86,7 +94,8 @@ void TelemetryBook::fill(World& world) {
   world.telemetry.reserve(samples_.size());
   for (const auto& [key, sample] : samples_) world.telemetry.push_back(sample);
   world.demand = demand_;
-  world.listening_since = listening_since_ == 0 ? world.now : listening_since_;
+  world.listening_since = listened_until_ == 0 ? world.now : listening_since_;
+  world.listened_until = listened_until_ == 0 ? world.now : listened_until_;
 }
 
 Result<Reply> ask_fleets(api::redis::Client& redis, const std::vector<std::string>& fleets,

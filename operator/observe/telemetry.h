@@ -32,6 +32,8 @@ Reading read_telemetry(const api::redis::Reply& reply, const std::vector<std::st
 class TelemetryBook {
  public:
   void note(Reading reading, Seconds now);
+  /// Redis did not answer.
+  void missed();
   /// Puts what is known into `world`, and forgets pods of workers that it does not have.
   void fill(World& world);
 
@@ -39,7 +41,8 @@ class TelemetryBook {
   std::mutex mutex_;
   std::map<std::pair<std::string, std::int64_t>, Telemetry> samples_;  // worker's uid, epoch
   std::vector<Demand> demand_;
-  Seconds listening_since_ = 0;
+  Seconds listening_since_ = 0, listened_until_ = 0;
+  bool gap_ = true;
 };
 
 /// One round trip: tells who drains, asks all.

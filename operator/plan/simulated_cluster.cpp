@@ -388,6 +388,8 @@ void SimulatedCluster::run_sessions() {
 
 void SimulatedCluster::push_telemetry() {
   if (silent_) return;
+  if (world_.now - world_.listened_until > 1) world_.listening_since = world_.now;
+  world_.listened_until = world_.now;
   std::erase_if(world_.telemetry, [&](const Telemetry& t) { return !worker_of(t.worker_uid); });
   for (const Worker& one : world_.workers) {
     const Pod* its = find_if(

@@ -17,6 +17,7 @@ inline World test_world(int nodes = 2) {
   World world;
   world.now = kNow;
   world.complete = true;
+  world.listened_until = kNow;
   Fleet fleet;
   fleet.name = "render";
   fleet.uid = "fleet-uid";

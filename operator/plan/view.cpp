@@ -32,12 +32,22 @@ Health judge(const WorkerView& view, const World& world) {
   }
   if (pod->phase == Phase::kPending) return Health::kComing;
   if (!view.silence_counts) return pod->ready ? Health::kReady : Health::kComing;
-  const bool listened = world.now - world.listening_since > kFresh;
-  if (!view.telemetry) {
-    if (world.now - pod->created < kStarting) return Health::kComing;
-    return listened || !pod->ready ? Health::kUnhealthy : Health::kReady;
-  }
+  if (!view.telemetry && world.now - pod->created < kStarting) return Health::kComing;
   return Health::kUnhealthy;
+}
+
+/// So long it was listened for and not heard.
+Seconds silence(const WorkerView& view, const World& world) {
+  Seconds last = world.listening_since;
+  if (view.pod) last = std::max(last, view.pod->created);
+  if (view.telemetry) last = std::max(last, view.telemetry->sampled);
+  return world.listened_until - last;
+}
+
+/// Who was heard of since we listen is missed at once, others when they had time to come back.
+Seconds patience(const WorkerView& view, const World& world) {
+  const bool heard = view.telemetry && view.telemetry->sampled >= world.listening_since;
+  return heard ? kHeartbeat : kFresh;
 }
 
 /// Of ready pods that have run for a moment half are heard of.
@@ -159,7 +169,8 @@ View look(const World& world) {
   for (WorkerView& worker : view.workers) {
     const auto fleet = fleets.find(worker.worker->fleet_uid);
     const bool metrics = fleet == fleets.end() || view.fleets[fleet->second].metrics_fresh;
-    worker.silence_counts = metrics;
+    worker.silent = silence(worker, world);
+    worker.silence_counts = metrics && worker.silent > patience(worker, world);
     worker.health = judge(worker, world);
   }
   for (std::size_t i = 0; i < view.nodes.size(); ++i) weigh(view.nodes[i], on[i], world);

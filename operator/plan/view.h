@@ -27,7 +27,8 @@ struct WorkerView {
   const Pod* in_the_way = nullptr;       ///< another's, of its name
   const Telemetry* telemetry = nullptr;  ///< of its last pod
   bool beats = false;
-  bool silence_counts = true;  ///< others are heard of
+  Seconds silent = 0;          ///< so long it was listened for and not heard
+  bool silence_counts = true;  ///< that is too long, and others are heard of
   Health health = Health::kComing;
 
   bool leaving() const { return worker->drain || worker->deleted; }

@@ -110,9 +110,8 @@ std::optional<DrainReason> why_drain(const WorkerView& view, Draft& draft) {
   if (view.node && view.node->cordoned) return DrainReason::kCordoned;
   if (worker.status.failures >= kMostFailures && refusal_noted(view)) return DrainReason::kFailing;
   if (view.health == Health::kUnhealthy) {
-    const Seconds last = view.telemetry ? view.telemetry->sampled : view.pod->created;
-    if (draft.now - last > kUnhealthyBeforeDrain) return DrainReason::kUnhealthy;
-    draft.wake(last + kUnhealthyBeforeDrain + 0.001);
+    if (view.silent > kUnhealthyBeforeDrain) return DrainReason::kUnhealthy;
+    draft.wake(draft.now + kUnhealthyBeforeDrain - view.silent + 0.001);
   }
   return std::nullopt;
 }

@@ -26,6 +26,7 @@ void settle(World& world, Seconds seconds = 0) {
     world.fleets[0].status = one.status;
   }
   world.now += seconds;
+  world.listened_until = world.now;
   for (Demand& demand : world.demand) demand.sampled = world.now;
 }
 
@@ -211,6 +212,28 @@ TEST(WhenThingsFail, WhenNobodyIsHeardOfKubernetesIsBelieved) {
   const Condition* fresh = find(world.fleets[0].status.conditions, "MetricsFresh");
   ASSERT_TRUE(fresh);
   EXPECT_EQ(fresh->status, Truth::kFalse);
+}
+
+TEST(WhenThingsFail, WhileRedisIsAwayWhoeverWasHeardOfBeforeIsThere) {
+  World world = test_world(2);
+  for (int i = 0; i < 2; ++i) add_running(world, i, std::string(1, char('a' + i)), 1);
+  world.fleets[0].spec.replicas = 2;
+  // Their pods have begun just now; so soon nobody can say that they are many.
+  for (Pod& pod : world.pods) pod.created = kNow - 5;
+  settle(world, 0);
+  for (const Seconds away : {4.0, 9.0, 30.0, 300.0}) {
+    world.now = kNow + away;
+    EXPECT_EQ(deeds(plan(world, 1)), 0u) << away;
+  }
+  // Back, and empty: they have their time to come back. Who does not was heard of before.
+  world.listening_since = world.listened_until = world.now;
+  EXPECT_EQ(deeds(plan(world, 1)), 0u);
+  world.now = world.listened_until += 9;
+  world.telemetry[0].sampled = world.now - 1;
+  EXPECT_EQ(deeds(plan(world, 1)), 0u);
+  world.now = world.listened_until += 2;
+  world.telemetry[0].sampled = world.now - 1;
+  EXPECT_EQ(all<CreateWorker>(plan(world, 1)).size(), 1u);
 }
 
 // leader lost

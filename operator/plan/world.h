@@ -187,7 +187,9 @@ struct Demand {
 struct World {
   Seconds now = 0;
   bool complete = false;        ///< every kind has been listed once
-  Seconds listening_since = 0;  ///< to telemetry; before, its absence means nothing
+  /// To telemetry, without a gap; its absence before means nothing.
+  Seconds listening_since = 0;
+  Seconds listened_until = 0;  ///< since then nobody could be heard (Redis is away)
   std::vector<Fleet> fleets;
   std::vector<Worker> workers;
   std::vector<Pod> pods;
