@@ -186,7 +186,7 @@ struct Demand {
 
 struct World {
   Seconds now = 0;
-  bool complete = false;        ///< every kind has been listed once
+  bool complete = false;  ///< every kind has been listed once
   /// To telemetry, without a gap; its absence before means nothing.
   Seconds listening_since = 0;
   Seconds listened_until = 0;  ///< since then nobody could be heard (Redis is away)
