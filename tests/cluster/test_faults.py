@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import threading
+
 import pytest
 from conftest import wait_for
+from operator_help import GROUP
 
 
 def uids(cluster) -> set[str]:
@@ -42,6 +45,62 @@ def test_a_node_that_is_lost_and_deleted_gives_its_worker_to_another(cluster):
     cluster.settled(1)
     assert cluster.running()[0]["spec"]["nodeName"] == (second if lost == first else first)
     assert [one["spec"]["nodeName"] for one in cluster.workers()] == [cluster.running()[0]["spec"]["nodeName"]]
+
+
+def test_a_node_that_is_silent_keeps_its_place_until_it_is_said_to_be_out_of_service(cluster):
+    first, second = cluster.nodes(2, gpus=1)
+    cluster.operator()
+    cluster.fleet(replicas=1)
+    cluster.settled(1)
+    worker = cluster.workers()[0]
+    name, lost = worker["metadata"]["name"], worker["spec"]["nodeName"]
+
+    def is_lost() -> bool:
+        said = next(one for one in cluster.workers() if one["metadata"]["name"] == name).get("status", {}).get("conditions", [])
+        return any(one["type"] == "NodeLost" and one["status"] == "True" for one in said)
+    cluster.beats.silent.add(name)
+    cluster.plane.stop_program("kwok")       # which speaks for all nodes
+    try:
+        wait_for(is_lost, "NodeLost")
+        assert [one["metadata"]["uid"] for one in cluster.workers()] == [worker["metadata"]["uid"]] and "drain" not in worker["spec"]
+        cluster.plane.kubectl("taint", "node", lost, "node.kubernetes.io/out-of-service=gone:NoExecute")
+        wait_for(lambda: worker["metadata"]["uid"] not in {one["metadata"]["uid"] for one in cluster.workers()}, "the end of its reservation")
+    finally:
+        cluster.beats.silent.clear()
+        cluster.plane.start_program("kwok")
+    cluster.settled(1)
+    assert cluster.running()[0]["spec"]["nodeName"] == (second if lost == first else first)
+
+
+def test_a_write_that_was_overtaken_is_refused_and_made_anew(cluster):
+    """Somebody writes to a worker all the time, so that what the operator has read of it is never the newest."""
+    first, second = cluster.nodes(2, gpus=1)
+    operator = cluster.operator()
+    cluster.fleet(replicas=1)
+    cluster.settled(1)
+    worker = cluster.workers()[0]
+    path = f"{GROUP}/namespaces/{cluster.namespace}/renderworkers/{worker['metadata']['name']}"
+    over = threading.Event()
+
+    def write(who: int) -> None:
+        number = 0
+        with cluster.plane.client() as api:
+            while not over.is_set():
+                number += 1
+                api.patch(path, headers={"Content-Type": "application/merge-patch+json"}, json={"metadata": {"annotations": {f"note-{who}": str(number)}}})
+    writers = [threading.Thread(target=write, args=(who,)) for who in range(2)]
+    for one in writers:
+        one.start()
+    try:
+        cluster.plane.kubectl("cordon", worker["spec"]["nodeName"])
+        wait_for(lambda: '"reason":"Conflict"' in operator.log.read_text(encoding="utf-8"), "a write that was overtaken")
+    finally:
+        over.set()
+        for one in writers:
+            one.join()
+    wait_for(lambda: worker["metadata"]["uid"] not in {one["metadata"]["uid"] for one in cluster.workers()}, "the drained worker's end")
+    cluster.settled(1)
+    assert cluster.running()[0]["spec"]["nodeName"] == (second if worker["spec"]["nodeName"] == first else first)
 
 
 @pytest.mark.parametrize("program", ["etcd", "kube-scheduler", "kube-controller-manager"])
