@@ -256,3 +256,4 @@ class Cluster:
             for one in self._list(f"{GROUP}/namespaces/{self.namespace}/{kind}"):
                 self.plane.kubectl("patch", kind, one["metadata"]["name"], "-n", self.namespace, "--type=merge",
                                    "-p", '{"metadata":{"finalizers":null}}', check=False)
+        self.plane.kubectl("delete", "node", "-l", f"pool={self.namespace}", "--wait=false")

@@ -14,7 +14,7 @@ def a_pod(name: str, **spec) -> dict:
 def test_a_pod_with_a_gpu_is_scheduled_and_runs(plane, namespace):
     plane.kubectl("create", "-n", namespace, "-f", "-", given=a_pod("one"))
     plane.kubectl("wait", "-n", namespace, "pod/one", "--for=condition=Ready", "--timeout=60s")
-    assert plane.kubectl("get", "pod", "one", "-n", namespace, "-o", "jsonpath={.spec.nodeName}").out.startswith("node-")
+    assert plane.kubectl("get", "pod", "one", "-n", namespace, "-o", "jsonpath={.spec.nodeName}").out
 
 
 def test_one_gpu_too_many_is_not_scheduled(plane, namespace):
