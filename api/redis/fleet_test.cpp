@@ -16,11 +16,20 @@ namespace {
 
 class FleetTest : public testing::Test {
  protected:
-  void announce(const std::string& id, const std::string& volumes = "") {
+  void announce(const std::string& id, const std::string& volumes = "",
+                const std::string& sessions = "0") {
     ASSERT_TRUE(client_->command({"SADD", "diaphane:workers", id}));
-    ASSERT_TRUE(client_->command({"HSET", "diaphane:worker:" + id, "address", "host:1",
-                                  "incarnation", "i", "slots", "4", "used", "0", "draining", "0",
-                                  "volumes", volumes, "epoch", "1", "load", "0"}));
+    ASSERT_TRUE(client_->command({"HSET",        "diaphane:worker:" + id,
+                                  "address",     "host:1",
+                                  "incarnation", "i",
+                                  "slots",       "4",
+                                  "used",        "0",
+                                  "draining",    "0",
+                                  "volumes",     volumes,
+                                  "epoch",       "1",
+                                  "load",        "0",
+                                  "expected",    "0",
+                                  "sessions",    sessions}));
   }
   static PlaceRequest request(const std::string& data_set = new_id()) {
     return {new_id(), new_id(), data_set};
@@ -59,8 +68,8 @@ TEST_F(FleetTest, OfHundredsOfWorkersTheOneThatHasTheVolumeIsFound) {
   for (int i = 0; i < 300; ++i) announce("w" + std::to_string(i));
   const auto first = sessions_.place(request(volume));
   ASSERT_TRUE(first);
-  announce(first->worker_id, volume);  // it has loaded it
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 1; i <= 3; ++i) {
+    announce(first->worker_id, volume, std::to_string(i));  // it has loaded it, and they rest
     EXPECT_EQ(sessions_.place(request(volume))->worker_id, first->worker_id);
   }
   EXPECT_NE(sessions_.place(request(volume))->worker_id, first->worker_id) << "full";

@@ -22,6 +22,8 @@ local data_set_key = 'diaphane:data_set:' .. data_set .. ':sessions'
 -- Looked at for one session: all workers up to so many; of more so many at random, again where they are full; and those of the last sessions on
 -- the same data set.
 local kSample, kTries, kLookers = 64, 8, 16
+-- A volume that is there already spares a second at the start, and memory; so much of a device is more than it is worth.
+local kVolumeWorth = 0.25
 
 local function entries_of(worker) return 'diaphane:worker:' .. worker .. ':sessions' end
 
@@ -44,17 +46,24 @@ local old_worker = known[3]
 -- A worker as this script needs it, or nothing when it can take no session.
 local function usable(worker)
   local w = redis.call('HMGET', 'diaphane:worker:' .. worker,
-                       'incarnation', 'epoch', 'draining', 'slots', 'load', 'volumes')
+                       'incarnation', 'epoch', 'draining', 'slots', 'load', 'volumes', 'expected', 'sessions')
   if not w[1] then
     redis.call('SREM', 'diaphane:workers', worker)
     return nil
   end
   if w[2] ~= epoch or w[3] == '1' then return nil end
   return {id = worker, incarnation = w[1], slots = tonumber(w[4]) or 0, load = tonumber(w[5]) or 0,
-          volumes = ',' .. (w[6] or '') .. ','}
+          volumes = ',' .. (w[6] or '') .. ',', expected = tonumber(w[7]), sessions = tonumber(w[8]) or 0}
+end
+
+-- What a worker's sessions are expected to take of its device (docs/adr/0032); who came since it said so is not known, and takes a slot's share.
+local function expected_of(w, used)
+  if not w.expected then return math.max(w.load, used / w.slots) end
+  return w.expected + math.max(0, used - w.sessions) / w.slots
 end
 
 local function better(a, b)
+  if a.score ~= b.score then return a.score < b.score end
   if a.has_volume ~= b.has_volume then return a.has_volume end
   if a.share ~= b.share then return a.share < b.share end
   if a.load ~= b.load then return a.load < b.load end
@@ -106,6 +115,7 @@ if not chosen then
       else
         w.share = used / w.slots
         w.has_volume = string.find(w.volumes, ',' .. data_set .. ',', 1, true) ~= nil
+        w.score = expected_of(w, used) - (w.has_volume and kVolumeWorth or 0)
         if not chosen or better(w, chosen) then chosen = w end
       end
     end

@@ -24,6 +24,7 @@ struct Worker {
   std::string epoch = "1";
   std::string incarnation = "first";
   std::string load = "0";
+  std::string expected = "";  // empty: of a worker that does not say it
 };
 
 class SessionsTest : public testing::Test {
@@ -44,6 +45,9 @@ class SessionsTest : public testing::Test {
     ASSERT_TRUE(client_->command({"HSET", key, "address", address, "incarnation", w.incarnation,
                                   "slots", slots, "used", "0", "draining", w.draining, "volumes",
                                   w.volumes, "epoch", w.epoch, "load", w.load}));
+    if (w.expected.empty()) return;
+    const std::string live = std::to_string(used(w.id));
+    ASSERT_TRUE(client_->command({"HSET", key, "expected", w.expected, "sessions", live}));
   }
   void vanish(const std::string& worker) {
     ASSERT_TRUE(client_->command({"DEL", "diaphane:worker:" + worker}));
@@ -91,6 +95,40 @@ TEST_F(SessionsTest, OfTwoEquallyUsedTheLessLoadedIsChosen) {
   announce({.id = "a", .load = "0.9"});
   announce({.id = "b", .load = "0.1"});
   EXPECT_EQ(sessions_.place(request())->worker_id, "b");
+}
+
+TEST_F(SessionsTest, AWorkerOfManyWhoRestIsChosenBeforeOneOfFewWhoLook) {
+  announce({.id = "few", .expected = "0"});
+  ASSERT_TRUE(sessions_.place(request()));
+  announce({.id = "many", .expected = "0"});
+  ASSERT_TRUE(sessions_.place(request()));
+  announce({.id = "few", .draining = "1"});
+  ASSERT_TRUE(sessions_.place(request()));
+  ASSERT_EQ(used("few"), 1);
+  ASSERT_EQ(used("many"), 2);
+  announce(
+      {.id = "few", .load = "0.1", .expected = "0.8"});  // the moment's load tells the contrary
+  announce({.id = "many", .load = "0.9", .expected = "0.1"});
+  EXPECT_EQ(sessions_.place(request())->worker_id, "many");
+}
+
+TEST_F(SessionsTest, WhoCameSinceTheLastHeartbeatTakesASlotsShare) {
+  announce({.id = "a", .slots = 10, .expected = "0.45"});
+  announce({.id = "b", .slots = 10, .expected = "0.5"});
+  EXPECT_EQ(sessions_.place(request())->worker_id, "a");
+  EXPECT_EQ(sessions_.place(request())->worker_id, "b");  // 0.55 against 0.5
+  EXPECT_EQ(sessions_.place(request())->worker_id, "a");  // 0.55 against 0.6
+  announce({.id = "a", .slots = 10, .expected = "0.5"});  // it has heard of the two
+  EXPECT_EQ(sessions_.place(request())->worker_id, "a");
+}
+
+TEST_F(SessionsTest, AVolumeThatIsThereIsWorthAQuarterOfADevice) {
+  const std::string volume = new_id();
+  announce({.id = "with", .slots = 16, .volumes = volume, .expected = "0.6"});
+  announce({.id = "without", .slots = 16, .expected = "0.4"});
+  EXPECT_EQ(sessions_.place(request(new_id(), volume))->worker_id, "with");
+  announce({.id = "with", .slots = 16, .volumes = volume, .expected = "0.7"});
+  EXPECT_EQ(sessions_.place(request(new_id(), volume))->worker_id, "without");
 }
 
 TEST_F(SessionsTest, ADrainingWorkerAnotherProtocolAndAVanishedOneAreNeverChosen) {
@@ -434,10 +472,23 @@ class HeartbeatTest : public SessionsTest {
     std::ifstream file(HEARTBEAT_LUA);
     const std::string source((std::istreambuf_iterator<char>(file)), {});
     const std::string hash = "diaphane:worker:" + worker, entries = hash + ":sessions";
-    Arguments words{"EVAL",   source,  "3",    "diaphane:workers",
-                    hash,     entries, worker, incarnation,
-                    "host:1", "cpu",   "test", "2",
-                    "0",      "0.5",   "",     "diaphane:session:"};
+    Arguments words{"EVAL",
+                    source,
+                    "3",
+                    "diaphane:workers",
+                    hash,
+                    entries,
+                    worker,
+                    incarnation,
+                    "host:1",
+                    "cpu",
+                    "test",
+                    "2",
+                    "0",
+                    "0.5",
+                    "0.4",
+                    "",
+                    "diaphane:session:"};
     for (const auto& [id, placement] : live) words.insert(words.end(), {id, placement});
     const Result<Reply> reply = client_->command(words);
     EXPECT_TRUE(reply) << reply.error().message;
@@ -459,6 +510,19 @@ TEST_F(HeartbeatTest, ABeatingWorkerIsPlacedOnAndItsLiveSessionsHoldTheirSlots) 
   EXPECT_EQ(sessions_.place(request()).error().code, ErrorCode::kUnavailable);
   EXPECT_TRUE(beat("a", "one", {{first.session_id, "1"}}).empty());
   EXPECT_TRUE(sessions_.place(request())) << "a session that the worker ended frees its slot";
+}
+
+TEST_F(HeartbeatTest, WhatAWorkerExpectsIsOfTheSessionsThatItHasHeardOf) {
+  beat("a", "one", {});
+  const PlaceRequest first = request();
+  ASSERT_TRUE(sessions_.place(first));
+  const auto field = [&](const std::string& name) {
+    return client_->command({"HGET", "diaphane:worker:a", name})->text;
+  };
+  EXPECT_EQ(field("expected"), "0.4");
+  EXPECT_EQ(field("sessions"), "0") << "not counted twice: its reservation is not in `expected`";
+  beat("a", "one", {{first.session_id, "1"}});
+  EXPECT_EQ(field("sessions"), "1");
 }
 
 TEST_F(HeartbeatTest, ASessionThatWasEndedOrMovedIsEndedByItsWorker) {

@@ -4,13 +4,12 @@
 #include <chrono>
 #include <cmath>
 
-#include "operator/plan/placing.h"
-
 namespace diaphane::fleet::bench {
 namespace {
 
 constexpr const char* kFleet = "render";
 constexpr int kGpusANode = 8;
+constexpr int kSample = 64;  // as place.lua
 
 }  // namespace
 
@@ -74,6 +73,8 @@ void FleetModel::put(Session& session, int device) {
   Device& on = devices_[static_cast<std::size_t>(device)];
   ++on.sessions;
   ++on.given;
+  on.shares += session.share;
+  session.expected = {};  // nobody tells a worker what another has seen
   if (session.looks) on.wants += session.share;
 }
 
@@ -81,6 +82,7 @@ void FleetModel::take_out(Session& session) {
   if (session.device < 0) return;
   Device& on = devices_[static_cast<std::size_t>(session.device)];
   if (--on.sessions == 0) on.idle_since = world_.now;
+  on.shares = std::max(0.0, on.shares - session.share);
   if (session.looks) on.wants = std::max(0.0, on.wants - session.share);
   session.device = -1;
 }
@@ -93,22 +95,32 @@ int FleetModel::place(int but) {
     }
     return -1;
   }
-  std::vector<Candidate> candidates(devices_.size());
-  int fewest = -1;
-  for (std::size_t i = 0; i < devices_.size(); ++i) {
-    const int device = static_cast<int>(i);
-    if (device == but || !open(device)) continue;
-    const Device& one = devices_[i];
-    // What was given since the last sample is not in it yet.
-    candidates[i] = {one.sample + double(one.given) / setting_.slots,
-                     setting_.slots - one.sessions};
-    if (fewest < 0 || one.sessions < devices_[static_cast<std::size_t>(fewest)].sessions) {
-      fewest = device;
+  int best = -1;
+  const auto take_better = [&](int device, auto&& score) {
+    if (device == but || !open(device)) return;
+    if (best < 0 || score(device) < score(best)) best = device;
+  };
+  if (way_ == Way::kLeastCount) {
+    for (std::size_t i = 0; i < devices_.size(); ++i) {
+      take_better(static_cast<int>(i),
+                  [&](int d) { return devices_[static_cast<std::size_t>(d)].sessions; });
+    }
+    return best;
+  }
+  // As often as until one is found where most are full.
+  for (int tried = 0; best < 0 && tried < 8; ++tried) {
+    for (int i = 0; i < kSample; ++i) {
+      take_better(static_cast<int>(random_.below(devices_.size())),
+                  [&](int d) { return score(d); });
     }
   }
-  if (way_ == Way::kLeastCount) return fewest;
-  const auto chosen = choose(candidates, Strategy::kLeastLoaded, random_);
-  return chosen ? static_cast<int>(*chosen) : -1;
+  return best;
+}
+
+double FleetModel::score(int device) const {
+  const Device& one = devices_[static_cast<std::size_t>(device)];
+  // Who was given since the last heartbeat is not in it yet.
+  return one.expected + double(one.given) / setting_.slots;
 }
 
 void FleetModel::strand(int device) {
@@ -327,6 +339,14 @@ void FleetModel::run_sessions(Figures& figures, bool measured, int target) {
 }
 
 void FleetModel::take_samples() {
+  for (Device& device : devices_) device.expected = 0;
+  for (Session& session : sessions_) {
+    if (session.device < 0) continue;
+    Device& device = devices_[static_cast<std::size_t>(session.device)];
+    // A device that is asked for more than there is gives each his part.
+    session.expected.watch(1, session.looks ? session.share / std::max(1.0, device.wants) : 0);
+    device.expected += session.expected.value(1.0 / setting_.slots);
+  }
   world_.telemetry.clear();
   world_.listened_until = world_.now;
   int used = 0;
@@ -347,7 +367,6 @@ void FleetModel::take_samples() {
     sample.error = device.wants;
     sample.draining = device.told;
     sample.idle_since = device.idle_since;
-    device.sample = load_of(sample, world_.now).value_or(1);
     device.given = 0;
     world_.telemetry.push_back(sample);
   }
@@ -355,21 +374,26 @@ void FleetModel::take_samples() {
 }
 
 void FleetModel::measure(Figures& figures) const {
-  double late = 0, all = 0, squares = 0;
+  double late = 0, all = 0, squares = 0, stays = 0, stay_squares = 0;
   int devices = 0;
   for (const Device& one : devices_) {
     if (!one.ready || one.told) continue;
     ++devices;
     all += one.wants;
     squares += one.wants * one.wants;
+    stays += one.shares;
+    stay_squares += one.shares * one.shares;
     late += std::max(0.0, one.wants - 1);
   }
   if (devices == 0 || all == 0) return;
   late -= std::max(0.0, all - devices);  // that no placing could have helped
-  const double mean = all / devices;
+  const auto deviation = [&](double sum, double sum_of_squares) {
+    const double mean = sum / devices;
+    return std::sqrt(std::max(0.0, sum_of_squares / devices - mean * mean)) / mean;
+  };
   figures.lost += late / all / setting_.seconds;
-  figures.spread +=
-      std::sqrt(std::max(0.0, squares / devices - mean * mean)) / mean / setting_.seconds;
+  figures.spread += deviation(all, squares) / setting_.seconds;
+  figures.spread_of_stays += deviation(stays, stay_squares) / setting_.seconds;
   std::unordered_map<std::string, int> on;
   for (const Worker& one : world_.workers) {
     if (++on[one.node] > kGpusANode) ++figures.over_committed;

@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "common/expected_share.h"
 #include "operator/plan/plan.h"
 #include "operator/plan/random.h"
 
@@ -19,7 +20,7 @@
 namespace diaphane::fleet::bench {
 
 enum class Way {
-  kLoad,        ///< as place.lua and the plan do: by load, two at random of the least loaded
+  kLoad,        ///< as place.lua: of 64 at random the one whose sessions are expected to take least
   kRoundRobin,  ///< by turns, full ones passed over
   kLeastCount   ///< fewest sessions
 };
@@ -42,8 +43,11 @@ struct Setting {
 };
 
 struct Figures {
-  double lost = 0;     ///< of what sessions wanted, while other devices idled
-  double spread = 0;   ///< of what devices were asked for, standard deviation over mean
+  double lost = 0;    ///< of what sessions wanted, while other devices idled
+  double spread = 0;  ///< of what devices were asked for, standard deviation over mean
+  /// The same of what their sessions ask for on the whole, looking and resting: what a placing can
+  /// even out that moves nobody.
+  double spread_of_stays = 0;
   double refused = 0;  ///< of placings
   long placings = 0;
   long moves = 0;                    ///< sessions placed again because theirs was lost or drained
@@ -62,6 +66,7 @@ class FleetModel {
   struct Session {
     int device = -1;  ///< of devices_
     double share = 0;
+    ExpectedShare expected;
     bool looks = true;
     Seconds turns = 0, ends = 0;
   };
@@ -72,8 +77,9 @@ class FleetModel {
     Seconds ready_at = 0;
     int sessions = 0;
     double wants = 0;
-    int given = 0;  ///< since the last sample
-    double sample = 0;
+    double shares = 0;  ///< of its sessions, were all to look at once
+    int given = 0;      ///< since the last sample
+    double expected = 0;
     Seconds idle_since = 0;
   };
 
@@ -88,6 +94,7 @@ class FleetModel {
   void put(Session& session, int device);
   void take_out(Session& session);
   bool open(int device) const;
+  double score(int device) const;
   Worker* worker(const std::string& name);
   Pod* pod(const std::string& name);
   int device_of(const std::string& name);

@@ -63,22 +63,25 @@ int main(int argc, char** argv) {
   }
   std::printf("%d sessions, %d devices, %d slots each, %d s\n", setting.sessions, setting.devices,
               setting.slots, setting.seconds);
-  std::printf("%-12s %9s %9s %9s %8s %8s %6s %9s %9s\n", "", "lost", "spread", "refused", "moves",
-              "drained", "over", "plan p50", "plan p99");
+  std::printf("%-12s %9s %9s %9s %9s %8s %8s %6s %9s %9s\n", "", "lost", "spread", "of stays",
+              "refused", "moves", "drained", "over", "plan p50", "plan p99");
   nlohmann::json rows = nlohmann::json::array();
   std::string lines =
-      "way,lost,spread,refused,placings,moves,drained,over,plan_p50_ms,plan_p99_ms\n";
+      "way,lost,spread,spread_of_stays,refused,placings,moves,drained,over,plan_p50_ms,plan_p99_"
+      "ms\n";
   for (const Way way : {Way::kLoad, Way::kLeastCount, Way::kRoundRobin}) {
     const Figures figures = FleetModel(setting, way).run();
     const double p50 = 1e3 * percentile(figures.plan_seconds, 0.5);
     const double p99 = 1e3 * percentile(figures.plan_seconds, 0.99);
-    std::printf("%-12s %8.3f%% %8.1f%% %8.4f%% %8ld %8ld %6ld %6.1f ms %6.1f ms\n", name_of(way),
-                100 * figures.lost, 100 * figures.spread, 100 * figures.refused, figures.moves,
+    std::printf("%-12s %8.3f%% %8.1f%% %8.1f%% %8.4f%% %8ld %8ld %6ld %6.1f ms %6.1f ms\n",
+                name_of(way), 100 * figures.lost, 100 * figures.spread,
+                100 * figures.spread_of_stays, 100 * figures.refused, figures.moves,
                 figures.moved_alive, figures.over_committed, p50, p99);
     std::fflush(stdout);
     rows.push_back({{"way", name_of(way)},
                     {"lost", figures.lost},
                     {"spread", figures.spread},
+                    {"spread_of_stays", figures.spread_of_stays},
                     {"refused", figures.refused},
                     {"placings", figures.placings},
                     {"moves", figures.moves},
@@ -87,9 +90,10 @@ int main(int argc, char** argv) {
                     {"plan_p50_ms", p50},
                     {"plan_p99_ms", p99}});
     char line[256];
-    std::snprintf(line, sizeof line, "%s,%g,%g,%g,%ld,%ld,%ld,%ld,%g,%g\n", name_of(way),
-                  figures.lost, figures.spread, figures.refused, figures.placings, figures.moves,
-                  figures.moved_alive, figures.over_committed, p50, p99);
+    std::snprintf(line, sizeof line, "%s,%g,%g,%g,%g,%ld,%ld,%ld,%ld,%g,%g\n", name_of(way),
+                  figures.lost, figures.spread, figures.spread_of_stays, figures.refused,
+                  figures.placings, figures.moves, figures.moved_alive, figures.over_committed, p50,
+                  p99);
     lines += line;
   }
   const nlohmann::json report{{"sessions", setting.sessions}, {"devices", setting.devices},

@@ -1,7 +1,7 @@
 -- A worker says that it lives, and which sessions it has (docs/contracts.md, Redis). One round trip.
 -- KEYS: 1 set of workers, 2 hash of this worker, 3 sorted set of its sessions
--- ARGV: 1 worker id, 2 incarnation, 3 address, 4 engine, 5 device, 6 slots, 7 draining, 8 load, 9 volumes,
---       10 prefix of a session's key, then session id and placement of each live session
+-- ARGV: 1 worker id, 2 incarnation, 3 address, 4 engine, 5 device, 6 slots, 7 draining, 8 load, 9 expected load, 10 volumes,
+--       11 prefix of a session's key, then session id and placement of each live session
 -- Returns the ids of sessions that were ended, or placed on another worker since: this one is to end them; then an
 -- empty text; then the ids of sessions that are not known here (Redis was lost): this one may write them again.
 local kBeatMs = 3000
@@ -23,9 +23,9 @@ end
 local moved = {}
 local unknown = {}
 local listed = {}
-for i = 11, #ARGV, 2 do
+for i = 12, #ARGV, 2 do
   local id, placement = ARGV[i], ARGV[i + 1]
-  local key = ARGV[10] .. id
+  local key = ARGV[11] .. id
   local there = redis.call('HMGET', key, 'worker', 'placement')
   -- A hash that is merely not there means that Redis was lost: the session goes on.
   local ended = redis.call('EXISTS', key .. ':ended') == 1
@@ -55,8 +55,8 @@ local live = {}
 for id in pairs(listed) do live[#live + 1] = id end
 redis.call('SADD', KEYS[1], ARGV[1])
 redis.call('HSET', KEYS[2], 'incarnation', ARGV[2], 'address', ARGV[3], 'engine', ARGV[4],
-  'device', ARGV[5], 'slots', ARGV[6], 'draining', ARGV[7], 'load', ARGV[8], 'volumes', ARGV[9],
-  'epoch', '1', 'used', redis.call('ZCARD', KEYS[3]), 'live', table.concat(live, ','))
+  'device', ARGV[5], 'slots', ARGV[6], 'draining', ARGV[7], 'load', ARGV[8], 'expected', ARGV[9],
+  'volumes', ARGV[10], 'epoch', '1', 'sessions', #live, 'used', redis.call('ZCARD', KEYS[3]), 'live', table.concat(live, ','))
 redis.call('PEXPIRE', KEYS[2], kBeatMs)
 moved[#moved + 1] = ''
 for _, id in ipairs(unknown) do moved[#moved + 1] = id end

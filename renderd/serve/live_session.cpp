@@ -226,6 +226,11 @@ void LiveSession::tick() {
   send_tiles();
 }
 
+double LiveSession::device_seconds() const {
+  const std::lock_guard lock(mutex_);
+  return device_seconds_;
+}
+
 std::uint64_t LiveSession::placement() const {
   const std::lock_guard lock(mutex_);
   return state_.placement;
@@ -302,6 +307,7 @@ void LiveSession::rendered(const Batch& batch) {
   parts_.metrics.rendered(batch.samples, batch.seconds, batch.dropped_samples);
   parts_.spent.add(charged_to_, batch.seconds + batch.helped_seconds);
   const std::lock_guard lock(mutex_);
+  device_seconds_ += batch.seconds;
   samples_since_ += batch.samples;
   dropped_samples_ += batch.dropped_samples;
 }

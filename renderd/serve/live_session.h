@@ -128,6 +128,8 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   const std::string& volume_id() const { return volume_id_; }
   const std::string& charged_to() const { return charged_to_; }
   std::uint64_t placement() const;
+  /// That its samples took of the device.
+  double device_seconds() const;
   /// How long nobody has been attached; nothing while somebody is.
   std::optional<std::chrono::steady_clock::duration> abandoned_for() const;
   /// The scene, when Redis has an older one; asks for it again with `mark_unsaved`.
@@ -246,6 +248,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
 
   // For Stats.
   TimePoint stats_since_{};
+  double device_seconds_ = 0;
   std::uint64_t samples_since_ = 0;
   std::uint64_t dropped_samples_ = 0;
   std::uint64_t skipped_told_ = 0;

@@ -109,14 +109,17 @@ void Registry::run() {
   }
 }
 
-double Registry::load() {
-  const double busy = options_.busy_seconds();
+Registry::Loads Registry::loads(const std::vector<SessionHost::Live>& live) {
+  const double until_now = options_.busy_seconds();
   const auto now = steady_clock::now();
   const double seconds = std::chrono::duration<double>(now - load_since_).count();
-  const double load = seconds > 0 ? (busy - busy_before_) / seconds : 0;
-  busy_before_ = busy;
+  const double busy = until_now - busy_before_;
+  busy_before_ = until_now;
   load_since_ = now;
-  return std::clamp(load, 0.0, 1.0);
+  std::vector<ExpectedLoad::Seen> seen;
+  for (const SessionHost::Live& one : live) seen.push_back({one.id, one.device_seconds});
+  return {.busy = seconds > 0 ? std::clamp(busy / seconds, 0.0, 1.0) : 0,
+          .expected = expected_.after(seconds, busy, seen, host_.slots())};
 }
 
 bool Registry::heartbeat() {
@@ -125,21 +128,18 @@ bool Registry::heartbeat() {
     const std::lock_guard lock(mutex_);
     draining = draining_ || told_to_drain_;
   }
-  char load_text[16];
-  std::snprintf(load_text, sizeof load_text, "%.3f", load());
-  std::vector<std::string> arguments{options_.worker_id,
-                                     options_.incarnation,
-                                     options_.address,
-                                     options_.engine,
-                                     options_.device,
-                                     std::to_string(host_.slots()),
-                                     draining ? "1" : "0",
-                                     load_text,
-                                     joined(options_.volumes()),
-                                     kSessionPrefix};
-  for (const SessionHost::Live& live : host_.live()) {
-    arguments.push_back(live.id);
-    arguments.push_back(std::to_string(live.placement));
+  const std::vector<SessionHost::Live> live = host_.live();
+  const Loads load = loads(live);
+  char busy[16], expected[16];
+  std::snprintf(busy, sizeof busy, "%.3f", load.busy);
+  std::snprintf(expected, sizeof expected, "%.4f", load.expected);
+  std::vector<std::string> arguments{
+      options_.worker_id, options_.incarnation,          options_.address,     options_.engine,
+      options_.device,    std::to_string(host_.slots()), draining ? "1" : "0", busy,
+      expected,           joined(options_.volumes()),    kSessionPrefix};
+  for (const SessionHost::Live& one : live) {
+    arguments.push_back(one.id);
+    arguments.push_back(std::to_string(one.placement));
   }
   const auto answer = redis_.run(
       lua::heartbeat, {kWorkers, worker_key(options_.worker_id), sessions_key(options_.worker_id)},

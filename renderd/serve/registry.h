@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "renderd/serve/expected_load.h"
 #include "renderd/serve/metrics.h"
 #include "renderd/serve/redis_client.h"
 #include "renderd/serve/session_host.h"
@@ -53,6 +54,11 @@ class Registry {
   bool connected() const { return connected_; }
 
  private:
+  /// Of the device, 1: all of it.
+  struct Loads {
+    double busy = 0;      ///< since the last heartbeat
+    double expected = 0;  ///< from now on
+  };
   void run();
   bool heartbeat();
   bool save_scenes();
@@ -60,7 +66,7 @@ class Registry {
   void report_to_fleet();
   void write_again(const std::string& session);
   void refused_name(const std::string& holder);
-  double load();
+  Loads loads(const std::vector<SessionHost::Live>& live);
 
   const Options options_;
   SessionHost& host_;
@@ -76,6 +82,7 @@ class Registry {
 
   // Of the thread alone.
   double busy_before_ = 0;
+  ExpectedLoad expected_;
   std::chrono::steady_clock::time_point load_since_;
   std::optional<std::chrono::steady_clock::time_point> refused_since_;
   bool refusal_told_ = false;

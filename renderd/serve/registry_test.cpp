@@ -132,6 +132,16 @@ TEST_F(RegistryTest, AWorkerAnnouncesItselfAndLeavesInOrder) {
   EXPECT_TRUE(redis.ask({"SMEMBERS", "diaphane:workers"}).empty());
 }
 
+TEST_F(RegistryTest, WhatItsSessionsAreExpectedToTakeIsTold) {
+  auto registry = announce();
+  const auto expected = [&] { return redis.field("diaphane:worker:w1", "expected"); };
+  ASSERT_TRUE(eventually([&] { return expected() == "0.0000"; }));
+  const auto [attachment, link] = attach(new_id());
+  // Of one of whom little is known yet, about a slot's share; the fake device works at once.
+  ASSERT_TRUE(eventually([&] { return std::atof(expected().c_str()) > 0; }));
+  EXPECT_EQ(redis.field("diaphane:worker:w1", "sessions"), "1");
+}
+
 TEST_F(RegistryTest, TheHeartbeatGoesOn) {
   auto registry = announce();
   ASSERT_TRUE(eventually([&] { return registry->connected(); }));

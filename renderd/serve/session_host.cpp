@@ -304,7 +304,9 @@ std::vector<SessionHost::Session> SessionHost::all() const {
 
 std::vector<SessionHost::Live> SessionHost::live() const {
   std::vector<Live> live;
-  for (const Session& session : all()) live.push_back({session->id(), session->placement()});
+  for (const Session& session : all()) {
+    live.push_back({session->id(), session->placement(), session->device_seconds()});
+  }
   return live;
 }
 

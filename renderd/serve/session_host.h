@@ -43,6 +43,7 @@ class SessionHost {
   struct Live {
     std::string id;
     std::uint64_t placement = 0;
+    double device_seconds = 0;  ///< since it is here
   };
 
   SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,

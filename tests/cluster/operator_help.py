@@ -105,7 +105,7 @@ class Beats:
         draining = "1" if uid in self.told else "0"
         sessions = [word for one in live for word in (one, "1")]
         self.heartbeat(keys=["diaphane:workers", key, key + ":sessions"],
-                       args=[name, uid, f"{uid}:1", "cpu", "test", env["DIAPHANE_SLOTS"], draining, str(0.1 * len(live)), "",
+                       args=[name, uid, f"{uid}:1", "cpu", "test", env["DIAPHANE_SLOTS"], draining, str(0.1 * len(live)), str(0.1 * len(live)), "",
                              "diaphane:session:", *sessions])
         room = self.report(keys=["diaphane:workers", key, key + ":drain"], args=[name, uid, owner, "0.1", "0.2"])
         if int(room) >= 0:

@@ -45,6 +45,7 @@ def results_of(report: dict) -> list[Result]:
     for way, row in rows.items():
         results += [Result(f"{way}: lost to imbalance", 100 * row["lost"], "%"),
                     Result(f"{way}: load, standard deviation over mean", 100 * row["spread"], "%"),
+                    Result(f"{way}: the same of what their sessions take while they stay", 100 * row["spread_of_stays"], "%"),
                     Result(f"{way}: refused", 100 * row["refused"], "%"),
                     Result(f"{way}: sessions placed again", row["moves"], ""),
                     Result(f"{way}: nodes with more workers than GPUs", row["over"], "", 0, 0, row["over"] == 0)]
