@@ -57,7 +57,7 @@ def _parser() -> argparse.ArgumentParser:
     with_data(status)
     status.add_argument("--json", action="store_true")
     test = command("test", _test, "build and run the tests; the last line is `N passed, N failed`")
-    test.add_argument("kind", nargs="?", choices=("unit", "integration", "e2e", "gpu", "cluster"))
+    test.add_argument("kind", nargs="?", choices=("unit", "integration", "e2e", "gpu", "cluster", "node"))
     test.add_argument("--no-install", action="store_true", help="only list what is missing; go on when nothing is")
     test.add_argument("--checks", action="store_true", help="with what ./diaphane check does, each counted as a test")
     check = command("check", _check, "format, clang-tidy, link rules, types, lint, contracts")

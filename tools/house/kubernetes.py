@@ -98,21 +98,21 @@ def _build(name: str) -> None:
         return _take(name)
     with tempfile.TemporaryDirectory(dir=folder(), prefix=".new-") as beside:
         if name in ("kwok", "helm"):
-            _go(["install", "-ldflags", "-s -w", KWOK if name == "kwok" else HELM], paths.REPO / "tools", GOBIN=beside)
+            build_go(["install", "-ldflags", "-s -w", KWOK if name == "kwok" else HELM], paths.REPO / "tools", GOBIN=beside)
         else:
             package = "./etcd" if name == "etcd" else f"k8s.io/kubernetes/cmd/{name}"
-            _go(["build", "-ldflags", _flags(), "-o", f"{beside}/{name}", package], MODULE)
+            build_go(["build", "-ldflags", version_flags(), "-o", f"{beside}/{name}", package], MODULE)
         os.replace(Path(beside) / name, folder() / name)
 
 
-def _flags() -> str:
+def version_flags() -> str:
     """The same for all of the module: kubectl and helm compare versions with the server."""
     major, minor, _ = version().split(".")
     said = {"gitVersion": f"v{version()}", "gitMajor": major, "gitMinor": minor}
     return " ".join(["-s -w", *(f"-X k8s.io/component-base/version.{key}={value}" for key, value in said.items())])
 
 
-def _go(words: list[str], where: Path, **env: str) -> str:
+def build_go(words: list[str], where: Path, **env: str) -> str:
     # Static, so that they need nothing of the machine; where modules come from is the environment's (GOPROXY).
     done = subprocess.run([str(go()), *words], cwd=where,
                           env={**os.environ, "HOME": str(Path.home()), "CGO_ENABLED": "0", "GOFLAGS": "-buildvcs=false", **env},
@@ -146,7 +146,7 @@ def _go_version(program: Path) -> tuple[int, ...]:
 def _take(name: str) -> None:
     package, files = _FILES[name]
     module = package.replace("/cmd/kwok", "")
-    source = Path(json.loads(_go(["mod", "download", "-json", module], paths.REPO / "tools"))["Dir"])
+    source = Path(json.loads(build_go(["mod", "download", "-json", module], paths.REPO / "tools"))["Dir"])
     (folder() / f".new-{name}").write_text("\n---\n".join((source / file).read_text(encoding="utf-8") for file in files), encoding="utf-8")
     os.replace(folder() / f".new-{name}", folder() / name)
 

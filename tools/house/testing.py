@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable
 
-from . import build, clamav, fuzz, gpu, install, kubernetes, paths
+from . import build, clamav, fuzz, gpu, install, kubernetes, paths, whole_node
 from .says import HouseError, say, step, warn
 
 
@@ -50,12 +50,13 @@ def suites() -> list[Suite]:
         Suite("end to end", "e2e", lambda reports: _pytest("e2e", reports)),
         Suite("Kubernetes, a part", CHOSEN, lambda reports: _pytest("cluster", reports, "-m", "chosen")),
         Suite("Kubernetes", "cluster", lambda reports: _pytest("cluster", reports)),
+        Suite("a whole node", "node", _whole_node),
         Suite("GPU", "gpu", lambda reports: _ctest(["-L", "gpu"], reports)),
     ]
 
 
 #: Run only when they are asked for: without a device, or the minutes that Kubernetes takes to build, they tell nothing.
-BY_NAME = ("gpu", "cluster")
+BY_NAME = ("gpu", "cluster", "node")
 #: Of the cluster's tests those that are marked `chosen`: with all others where the control plane is there already.
 CHOSEN = "chosen"
 
@@ -102,6 +103,8 @@ def _prepare(kind: str | None, may_install: bool) -> None:
     # Else every test of it would be skipped, which looks like success.
     if kind == "gpu" and (why := gpu.absence()):
         raise HouseError(f"there is no GPU to test on: {why}")
+    if kind == "node" and (why := whole_node.absence()):
+        raise HouseError(f"no node of Kubernetes can be run here: {why}")
     # On a machine that has a GPU and nothing else, the renderer's tests are brought along (DIAPHANE_BUILD).
     if kind != "gpu" or "DIAPHANE_BUILD" not in os.environ:
         install.ensure("test", may_install)
@@ -110,8 +113,10 @@ def _prepare(kind: str | None, may_install: bool) -> None:
 
 
 def _build(kind: str | None) -> None:
-    if kind == "cluster":
+    if kind in ("cluster", "node"):
         kubernetes.ensure()
+    if kind == "node":
+        whole_node.ensure()
     # A browser looks at a cluster's page too.
     if kind != "gpu" and (paths.FRONTEND / "package.json").exists():
         build.npm_install()
@@ -119,7 +124,7 @@ def _build(kind: str | None) -> None:
             build.build_page()
     if "DIAPHANE_BUILD" in os.environ:
         say(f"Using what is in {paths.build_dir()} as it is (DIAPHANE_BUILD)")
-    elif kind in ("integration", "e2e", "cluster"):
+    elif kind in ("integration", "e2e", "cluster", "node"):
         build.build_programs()
     else:
         build.ninja(build.configure(), ["all"])
@@ -209,15 +214,22 @@ def _vitest(reports: Path) -> Count:
 
 # pytest
 
-def _pytest(folder: str, reports: Path, *selection: str) -> Count:
+def _whole_node(reports: Path) -> Count:
+    """Built outside, where there is a network; run inside, where there is none."""
+    whole_node.image_archive()
+    return _pytest("cluster/test_whole_node.py", reports, within=whole_node.NAMESPACES, DIAPHANE_WHOLE_NODE="1")
+
+
+def _pytest(folder: str, reports: Path, *selection: str, within: tuple[str, ...] = (), **more: str) -> Count:
+    """Of a folder of tests, or one file of it."""
     tests = paths.REPO / "tests"
-    if not any((tests / folder).glob("test_*.py")):
+    if not folder.endswith(".py") and not any((tests / folder).glob("test_*.py")):
         return Count()
-    report = reports / f"{folder}.xml"
+    report = reports / f"{Path(folder).stem}.xml"
     step(f"Running tests/{folder}")
-    env = {**build.environment(), "PYTHONDONTWRITEBYTECODE": "1"}
+    env = {**build.environment(), "PYTHONDONTWRITEBYTECODE": "1", **more}
     done = subprocess.run(
-        [str(paths.VENV_PYTHON), "-m", "pytest",
+        [*within, str(paths.VENV_PYTHON), "-m", "pytest",
          "-c", str(tests / "pytest.ini"), "--rootdir", str(tests), "-q", "--durations=5", f"--junitxml={report}",
          *selection, str(tests / folder)],
         cwd=tests, env=env, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,

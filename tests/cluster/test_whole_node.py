@@ -1,0 +1,110 @@
+"""The same on one whole node: the real image in containers of containerd, started by kubelet (`./diaphane test node`; no part of `test cluster`)."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+from conftest import wait_for
+from kubelet_node import ADDRESS, KubeletNode
+from plane import ORDER, Plane
+from service_help import Front, Service
+from test_session import ENOUGH, NAMESPACE, POOL, SESSION, page  # noqa: F401
+
+from harness import REPO
+from house import image, users, whole_node
+
+sys.path.insert(0, str(REPO / "tests" / "e2e"))
+
+from person import Person  # noqa: E402
+from picture import difference, facts, pixels, spread, wait_for_samples  # noqa: E402
+
+#: Of the image's user.
+_OWNER = 10001
+
+
+class WholeNode(Service):
+    """The pods are kubelet's; the stores are reached at the node's address."""
+
+    def __init__(self, plane: Plane, stores, folder: Path):
+        self.ways = {name: Front(lambda port=stores.ports[name]: ("127.0.0.1", port), (ADDRESS, 0)) for name in ("postgres", "redis")}
+        super().__init__(plane, NAMESPACE, [], stores, folder)
+        self.dsn = stores.dsn.replace(f"127.0.0.1:{stores.ports['postgres']}", f"{ADDRESS}:{self.ways['postgres'].port}")
+        self.redis_address = f"{ADDRESS}:{self.ways['redis'].port}"
+
+    def _own(self, place: Path) -> None:
+        os.chown(place, _OWNER, _OWNER)
+
+    def listed(self, component: str) -> list[dict]:
+        """Ready pods."""
+        said = self.plane.api.get(f"/api/v1/namespaces/{NAMESPACE}/pods", params={"labelSelector": f"app.kubernetes.io/component={component}"}).json()
+        return [one for one in said["items"] if "deletionTimestamp" not in one["metadata"]
+                and any(two["type"] == "Ready" and two["status"] == "True" for two in one["status"].get("conditions", []))]
+
+    def _edge(self) -> tuple[str, int]:
+        pods = self.listed("api")
+        if not pods:
+            raise LookupError("no pod of the Service is ready")
+        return pods[0]["status"]["podIP"], 8080
+
+
+@pytest.fixture
+def node(stack_factory, request):
+    assert os.environ.get("DIAPHANE_WHOLE_NODE"), "./diaphane test node makes the namespaces that this wants"
+    folder = Path(tempfile.mkdtemp(prefix="diaphane-node-", dir="/var/tmp"))
+    folder.chmod(0o755)
+    run_as = users.ordinary_user()
+    (folder / "plane").mkdir()
+    (folder / "node").mkdir()
+    run_as.own(folder / "plane")
+    subprocess.run(["ip", "link", "set", "lo", "up"], check=True)
+    plane = Plane(folder / "plane", run_as, only=tuple(name for name in ORDER if name != "kwok")).start()
+    kubelet = KubeletNode(plane, folder / "node", whole_node.folder())
+    made = None
+    try:
+        plane.define_resources()
+        plane.apply({"apiVersion": "v1", "kind": "Namespace", "metadata": {"name": NAMESPACE, "labels": {"pod-security.kubernetes.io/enforce": "restricted"}}})
+        kubelet.start()
+        Front(lambda: ("127.0.0.1", plane.ports["kube-apiserver"]), ("10.96.0.1", 443))     # what a Service's address is by kube-proxy
+        kubelet.import_image(whole_node.image_archive(), image.name())
+        made = WholeNode(plane, stack_factory(only=("postgres", "redis")), folder)
+        little = {"resources": {"requests": {"cpu": "10m", "memory": "64Mi"}}}
+        made.install({"image": {"repository": image.name().rpartition(":")[0]}, "redis": {"address": made.redis_address},
+                      "fleet": {"replicas": 2, "sessionsPerWorker": 4, "engine": "cpu", **POOL, **little}, "api": {**POOL, **little},
+                      "ingest": {**POOL, **little}, "operator": {**POOL, **little}, "edge": little})
+        yield made
+    finally:
+        said = plane.kubectl("get", "pods,events", "-A", "-o", "wide", check=False).text
+        request.node.add_report_section("teardown", "pods and events", said[-6000:])
+        for name, text in kubelet.logs().items():
+            request.node.add_report_section("teardown", name, text)
+        kubelet.stop()
+        plane.stop()
+        if not os.environ.get("DIAPHANE_KEEP"):
+            subprocess.run(["umount", "-R", *(line.split()[1] for line in Path("/proc/self/mounts").read_text().splitlines() if str(folder) in line)], check=False)
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def test_a_session_in_real_containers(node: WholeNode, page, tmp_path):  # noqa: F811
+    disc = tmp_path / "disc"
+    subprocess.run([Path(os.environ.get("DIAPHANE_BUILD", REPO / "build" / "release")) / "bin" / "diaphane-sample", "--write-dicom", disc], check=True, capture_output=True)
+    wait_for(lambda: len(node.listed("renderd")) == 2, "two workers", timeout=300)
+    person = Person.arrives(node, page, "anna")
+    person.has_scan(disc, "My head")
+    person.open_scan("My head")
+    shown = wait_for_samples(node, page, ENOUGH)
+    first = pixels(page)
+    assert spread(first) > 5
+    session = page.evaluate(SESSION)
+    was = node.place_of(session)
+    node.plane.kubectl("delete", "pod", was[0], "-n", NAMESPACE, "--wait=false")
+    seconds = node.moved_from(session, was, page)
+    node.wait_until(lambda: page.wait_for_timeout(10) or facts(page).samples < shown.samples, timeout=120, what="a picture of the other process")
+    wait_for_samples(node, page, ENOUGH)
+    print(f"deleted: the session at {was[0]} is at {node.place_of(session)[0]} after {seconds:.2f} s")
+    assert difference(first, pixels(page)) < 3
