@@ -8,11 +8,8 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-import os
-import signal
 import subprocess
 import tarfile
-import time
 from pathlib import Path
 
 from conftest import wait_for
@@ -26,25 +23,18 @@ NAME = "whole"
 ADDRESS = "192.168.177.1"
 _PODS = "10.88.0.0/24"
 _PAUSE = "localhost/pause:1"
-#: What kubelet sets for the whole machine; given back at the end.
-_TUNED = ("vm/overcommit_memory", "vm/panic_on_oom", "kernel/panic", "kernel/panic_on_oops", "kernel/keys/root_maxkeys", "kernel/keys/root_maxbytes")
 
 
 class KubeletNode:
-    def __init__(self, plane: Plane, folder: Path, programs: Path):
+    def __init__(self, plane: Plane, folder: Path, programs: Path, group: str):
         self.plane, self.folder, self.bin = plane, folder, programs
         self.running: list[tuple[Identity, subprocess.Popen]] = []
-        self.before: dict[str, str] = {}
-        self.cgroup = f"diaphane-node-{os.getpid()}"
+        self.group = group
+        self.socket = folder / "containerd.sock"
 
     def start(self) -> "KubeletNode":
-        self.before = {name: (Path("/proc/sys") / name).read_text() for name in _TUNED}
+        self._own_places()
         self._network()
-        for place in whole_node.cgroup_folders():
-            (place / self.cgroup).mkdir()
-            if (place / "cpuset.cpus").exists():     # version 1 begins with none
-                for name in ("cpuset.cpus", "cpuset.mems"):
-                    (place / self.cgroup / name).write_text((place / name).read_text())
         self._containerd()
         self._kubelet()
         wait_for(self._ready, "a ready node")
@@ -61,15 +51,20 @@ class KubeletNode:
         for identity, process in reversed(self.running):
             end(identity, seconds=5)
             process.wait()
-        for place in whole_node.cgroup_folders():
-            _remove_cgroups(place / self.cgroup)
-        for name, value in self.before.items():
-            (Path("/proc/sys") / name).write_text(value)
 
     def logs(self) -> dict[str, str]:
         return {path.name: logfiles.tail(path, 40) for path in sorted(self.folder.glob("*.log"))}
 
     # Inside
+
+    def _own_places(self) -> None:
+        """What these programs write at fixed places stays in this mount namespace."""
+        for name in ("run", "var/log"):
+            subprocess.run(["mount", "-t", "tmpfs", "tmpfs", f"/{name}"], check=True)
+        upper, work = self.folder / "lib", self.folder / "lib-work"
+        upper.mkdir()
+        work.mkdir()
+        subprocess.run(["mount", "-t", "overlay", "overlay", "-o", f"lowerdir=/var/lib,upperdir={upper},workdir={work}", "/var/lib"], check=True)
 
     def _network(self) -> None:
         for words in (("link", "set", "lo", "up"), ("address", "add", f"{ADDRESS}/32", "dev", "lo"), ("address", "add", "10.96.0.1/32", "dev", "lo")):
@@ -83,7 +78,7 @@ class KubeletNode:
             {"type": "loopback"}]}), encoding="utf-8")
 
     def _containerd(self) -> None:
-        self.socket = self.folder / "containerd.sock"
+        # Root of a container may not always make processes safer from the kernel's killer than itself.
         config = self.folder / "containerd.toml"
         config.write_text(f"""version = 2
 root = "{self.folder}/containerd"
@@ -93,6 +88,7 @@ disabled_plugins = ["io.containerd.snapshotter.v1.btrfs", "io.containerd.snapsho
   address = "{self.socket}"
 [plugins."io.containerd.grpc.v1.cri"]
   sandbox_image = "{_PAUSE}"
+  restrict_oom_score_adj = true
   [plugins."io.containerd.grpc.v1.cri".cni]
     bin_dir = "{whole_node.CNI}"
     conf_dir = "{self.folder}/cni"
@@ -114,13 +110,11 @@ disabled_plugins = ["io.containerd.snapshotter.v1.btrfs", "io.containerd.snapsho
         config = self.folder / "kubelet.json"
         config.write_text(json.dumps({
             "apiVersion": "kubelet.config.k8s.io/v1beta1", "kind": "KubeletConfiguration", "failCgroupV1": False, "cgroupDriver": "cgroupfs",
-            "cgroupRoot": f"/{self.cgroup}", "enforceNodeAllocatable": [], "containerRuntimeEndpoint": f"unix://{self.socket}",
+            "cgroupRoot": f"/{self.group}", "enforceNodeAllocatable": [], "containerRuntimeEndpoint": f"unix://{self.socket}",
             "authentication": {"anonymous": {"enabled": False}, "webhook": {"enabled": False}}, "authorization": {"mode": "AlwaysAllow"},
             "readOnlyPort": 0, "healthzPort": 0, "address": "127.0.0.1", "failSwapOn": False, "evictionHard": {"nodefs.available": "0%", "imagefs.available": "0%"},
             "imageGCHighThresholdPercent": 100, "resolvConf": "", "podLogsDir": str(self.folder / "pod-logs"), "nodeStatusUpdateFrequency": "4s",
             "shutdownGracePeriod": "0s", "makeIPTablesUtilChains": False, "syncFrequency": "5s"}), encoding="utf-8")
-        Path("/var/log/containers").mkdir(exist_ok=True)
-        subprocess.run(["mount", "-t", "tmpfs", "tmpfs", "/var/log/containers"], check=True)
         self._spawn("kubelet", str(self.bin / "kubelet"), f"--config={config}", f"--kubeconfig={self.plane.config_of('agent')}", f"--hostname-override={NAME}",
                     f"--node-ip={ADDRESS}", f"--root-dir={self.folder / 'kubelet'}", f"--cert-dir={self.folder / 'kubelet-pki'}")
 
@@ -174,18 +168,3 @@ def _pause_image(folder: Path) -> Path:
             entry.size = len(data)
             tar.addfile(entry, io.BytesIO(data))
     return archive
-
-
-def _remove_cgroups(root: Path) -> None:
-    """From the leaves; processes that are still in them are ours and are killed."""
-    for _ in range(50):
-        if not root.exists():
-            return
-        for folder in [*sorted((path for path in root.rglob("*") if path.is_dir()), key=lambda path: -len(path.parts)), root]:
-            try:
-                folder.rmdir()
-            except OSError:
-                for pid in (folder / "cgroup.procs").read_text().split() if (folder / "cgroup.procs").exists() else []:
-                    if identity := Identity.of(int(pid)):
-                        identity.send(signal.SIGKILL)
-        time.sleep(0.1)

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
 import pytest
@@ -56,22 +54,21 @@ class WholeNode(Service):
 @pytest.fixture
 def node(stack_factory, request):
     assert os.environ.get("DIAPHANE_WHOLE_NODE"), "./diaphane test node makes the namespaces that this wants"
-    folder = Path(tempfile.mkdtemp(prefix="diaphane-node-", dir="/var/tmp"))
-    folder.chmod(0o755)
+    folder = Path(os.environ["DIAPHANE_WHOLE_NODE"])
     run_as = users.ordinary_user()
     (folder / "plane").mkdir()
     (folder / "node").mkdir()
     run_as.own(folder / "plane")
     subprocess.run(["ip", "link", "set", "lo", "up"], check=True)
     plane = Plane(folder / "plane", run_as, only=tuple(name for name in ORDER if name != "kwok")).start()
-    kubelet = KubeletNode(plane, folder / "node", whole_node.folder())
+    kubelet = KubeletNode(plane, folder / "node", whole_node.folder(), folder.name)
     made = None
     try:
         plane.define_resources()
         plane.apply({"apiVersion": "v1", "kind": "Namespace", "metadata": {"name": NAMESPACE, "labels": {"pod-security.kubernetes.io/enforce": "restricted"}}})
         kubelet.start()
         Front(lambda: ("127.0.0.1", plane.ports["kube-apiserver"]), ("10.96.0.1", 443))     # what a Service's address is by kube-proxy
-        kubelet.import_image(whole_node.image_archive(), image.name())
+        kubelet.import_image(Path(os.environ["DIAPHANE_IMAGE"]), image.name())
         made = WholeNode(plane, stack_factory(only=("postgres", "redis")), folder)
         little = {"resources": {"requests": {"cpu": "10m", "memory": "64Mi"}}}
         made.install({"image": {"repository": image.name().rpartition(":")[0]}, "redis": {"address": made.redis_address},
@@ -85,9 +82,6 @@ def node(stack_factory, request):
             request.node.add_report_section("teardown", name, text)
         kubelet.stop()
         plane.stop()
-        if not os.environ.get("DIAPHANE_KEEP"):
-            subprocess.run(["umount", "-R", *(line.split()[1] for line in Path("/proc/self/mounts").read_text().splitlines() if str(folder) in line)], check=False)
-            shutil.rmtree(folder, ignore_errors=True)
 
 
 def test_a_session_in_real_containers(node: WholeNode, page, tmp_path):  # noqa: F811

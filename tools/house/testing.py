@@ -216,8 +216,9 @@ def _vitest(reports: Path) -> Count:
 
 def _whole_node(reports: Path) -> Count:
     """Built outside, where there is a network; run inside, where there is none."""
-    whole_node.image_archive()
-    return _pytest("cluster/test_whole_node.py", reports, within=whole_node.NAMESPACES, DIAPHANE_WHOLE_NODE="1")
+    archive = whole_node.image_archive()
+    with whole_node.place() as place:
+        return _pytest("cluster/test_whole_node.py", reports, within=whole_node.NAMESPACES, DIAPHANE_WHOLE_NODE=str(place), DIAPHANE_IMAGE=str(archive))
 
 
 def _pytest(folder: str, reports: Path, *selection: str, within: tuple[str, ...] = (), **more: str) -> Count:

@@ -1,25 +1,30 @@
 """A whole node for `./diaphane test node`: containerd and runc as Debian has them (taken out of their packages: nothing is installed, no
-service starts), kubelet from Kubernetes' sources, Debian's CNI plugins. It lives in a network and a mount namespace of its own."""
+service starts), kubelet from Kubernetes' sources, Debian's CNI plugins. It lives in namespaces of its own: when they end, so does all that runs in it."""
 
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import subprocess
 import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from . import kubernetes, packages
 from .says import HouseError, say, step
 
-#: Everything of the test runs below this.
-NAMESPACES = ("unshare", "--net", "--mount", "--propagation", "private", "--")
+#: Everything of the test runs below this. The shell is the first process there, waits for those that lose their parents, and takes all with it when it ends.
+NAMESPACES = ("unshare", "--net", "--mount", "--propagation", "private", "--pid", "--fork", "--kill-child", "--mount-proc", "--",
+              "/bin/sh", "-c", '"$@"; exit $?', "sh")
 CNI = Path("/usr/lib/cni")
 _DEBIAN = ("containerd", "runc")
 _PROGRAMS = ("containerd", "containerd-shim-runc-v2", "ctr", "runc", "kubelet")
 _INSTALLED = ("containernetworking-plugins", "iproute2")
 _CONTROLLERS = ("cpu", "cpuset", "memory")
+#: What kubelet sets for the whole machine.
+_TUNED = ("vm/overcommit_memory", "vm/panic_on_oom", "kernel/panic", "kernel/panic_on_oops", "kernel/keys/root_maxkeys", "kernel/keys/root_maxbytes")
 
 
 def absence() -> str:
@@ -47,7 +52,7 @@ def cgroup_folders() -> list[Path]:
     found = []
     for line in Path("/proc/self/mounts").read_text(encoding="utf-8").splitlines():
         _, where, kind, options, *_ = line.split()
-        if kind == "cgroup":
+        if kind in ("cgroup", "cgroup2"):
             found.append(Path(where))
     return found
 
@@ -113,10 +118,44 @@ def _build_kubelet() -> None:
 
 
 def image_archive() -> Path:
-    """The image of `./diaphane image`, built when it is not there, as an archive that containerd takes."""
+    """The image of `./diaphane image` as it is now, as an archive that containerd takes."""
     from . import image
 
-    out = folder() / f"image-{re.sub(r'[^A-Za-z0-9.]', '-', image.version())}.tar"
-    if not out.exists():
-        image.run(out, False, None, False, None)
+    out = image.folder() / "image.tar"
+    image.run(out, False, None, False, None)
     return out
+
+
+@contextmanager
+def place() -> Iterator[Path]:
+    """A folder whose name is a control group's as well. Once nothing runs in NAMESPACES any more, nothing of them is left, however it ended."""
+    settings = {name: (Path("/proc/sys") / name).read_text() for name in _TUNED if (Path("/proc/sys") / name).exists()}
+    made = Path(tempfile.mkdtemp(prefix="diaphane-node-", dir="/var/tmp"))
+    made.chmod(0o755)
+    try:
+        for group in (one / made.name for one in cgroup_folders()):
+            group.mkdir()
+            for name in ("cpuset.cpus", "cpuset.mems"):     # version 1 begins with none
+                if (group / name).exists() and not (group / name).read_text().strip():
+                    (group / name).write_text((group.parent / name).read_text())
+        yield made
+    finally:
+        for one in cgroup_folders():
+            _remove_group(one / made.name)
+        for name, value in settings.items():
+            (Path("/proc/sys") / name).write_text(value)
+        if not os.environ.get("DIAPHANE_KEEP"):
+            shutil.rmtree(made, ignore_errors=True)
+
+
+def _remove_group(root: Path) -> None:
+    """From the leaves; the last process may still be on its way out."""
+    for _ in range(100):
+        if not root.exists():
+            return
+        for one in [*sorted((path for path in root.rglob("*") if path.is_dir()), key=lambda path: -len(path.parts)), root]:
+            try:
+                one.rmdir()
+            except OSError:
+                pass
+        time.sleep(0.1)
