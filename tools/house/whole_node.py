@@ -19,6 +19,7 @@ from .says import HouseError, say, step
 NAMESPACES = ("unshare", "--net", "--mount", "--propagation", "private", "--pid", "--fork", "--kill-child", "--mount-proc", "--",
               "/bin/sh", "-c", '"$@"; exit $?', "sh")
 CNI = Path("/usr/lib/cni")
+CONTROL_GROUPS = Path("/sys/fs/cgroup")
 _DEBIAN = ("containerd", "runc")
 _PROGRAMS = ("containerd", "containerd-shim-runc-v2", "ctr", "runc", "kubelet")
 _INSTALLED = ("containernetworking-plugins", "iproute2")
@@ -40,15 +41,14 @@ def absence() -> str:
     script = "ip link set lo up && ip link add probe0 type bridge && ip link add a0 type veth peer name b0 && mount -t tmpfs probe /mnt"
     tried = subprocess.run([*NAMESPACES, "/bin/sh", "-c", script], capture_output=True, text=True)
     if tried.returncode != 0:
-        return f"no network and mount namespace with a bridge in it: {tried.stderr.strip()}"
+        return f"no namespaces of network, mounts and processes with a bridge in them: {tried.stderr.strip()}"
     return ""
 
 
 def cgroup_folders() -> list[Path]:
     """Where a node's own cgroup is made: in each hierarchy of version 1, or in the one of version 2."""
-    root = Path("/sys/fs/cgroup")
-    if (root / "cgroup.controllers").exists():
-        return [root]
+    if (CONTROL_GROUPS / "cgroup.controllers").exists():
+        return [CONTROL_GROUPS]
     found = []
     for line in Path("/proc/self/mounts").read_text(encoding="utf-8").splitlines():
         _, where, kind, options, *_ = line.split()
@@ -58,13 +58,12 @@ def cgroup_folders() -> list[Path]:
 
 
 def _no_cgroups() -> str:
-    root = Path("/sys/fs/cgroup")
-    if (root / "cgroup.controllers").exists():
-        has = set((root / "cgroup.controllers").read_text(encoding="ascii").split())
+    if (CONTROL_GROUPS / "cgroup.controllers").exists():
+        has = set((CONTROL_GROUPS / "cgroup.controllers").read_text(encoding="ascii").split())
     else:
         has = {name for folder in cgroup_folders() for name in folder.name.split(",")}
     if lacking := [name for name in _CONTROLLERS if name not in has]:
-        return f"control groups: no {', '.join(lacking)} below /sys/fs/cgroup"
+        return f"control groups: no {', '.join(lacking)} below {CONTROL_GROUPS}"
     for folder in cgroup_folders():
         probe = folder / f"diaphane-probe-{os.getpid()}"
         try:
