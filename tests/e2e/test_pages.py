@@ -14,6 +14,11 @@ from person import PASSWORD, Person
 from picture import difference, facts, pixels, wait_for_samples
 
 AXE = REPO / "frontend" / "node_modules" / "axe-core" / "axe.min.js"
+#: Wholly in the window and in the row that they stand in.
+ALL_IN_SIGHT = """(all) => all.every((one) => {
+    const box = one.getBoundingClientRect(), row = one.parentElement.getBoundingClientRect();
+    return box.left >= Math.max(0, row.left) && box.right <= Math.min(innerWidth, row.right);
+})"""
 LOOKS = [pytest.param({"wide": True}, id="light"), pytest.param({"wide": True, "dark": True}, id="dark"), pytest.param({"phone": True}, id="phone")]
 
 
@@ -48,7 +53,9 @@ def test_every_page_is_accessible_and_fits(stack: TestStack, visit, cranium: Pat
     seen("scans")
     person.open_scan("A head")
     wait_for_samples(stack, page, 2)
-    expect(page.locator(".preset")).to_have_count(5)
+    looks = page.locator(".preset")
+    expect(looks).to_have_count(5)
+    assert looks.evaluate_all(ALL_IN_SIGHT)
     seen("viewer")
     page.get_by_role("button", name="How to move it").click()
     seen("help")
