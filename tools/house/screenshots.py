@@ -3,6 +3,7 @@ for somebody to look at. `./diaphane guide`: those that docs/guide.md shows."""
 
 from __future__ import annotations
 
+import re
 import subprocess
 import tempfile
 from contextlib import contextmanager
@@ -12,15 +13,14 @@ from typing import Iterator
 from . import bench, build, chromium, install, page_walk, paths, viewer_walk
 from .bench_client import Person, cranium
 from .bench_stack import running
-from .says import say
+from .says import HouseError, say
 from .stack import Stack
 
 SIZES = {"phone": (390, 844), "tablet": (820, 1180), "desk": (1440, 900)}
 LOOKS = ("light", "dark")
-#: What docs/guide.md shows: steps, and at which size.
+#: What docs/guide.md shows: steps, some of them on a telephone.
 GUIDE = paths.REPO / "docs" / "guide"
 GUIDE_SIZES = {"desk": (1200, 750), "phone": (390, 844)}
-GUIDE_ON_A_PHONE = ("start", "light")
 
 
 def run(out: Path, only: str, one_size: str | None = None, one_look: str | None = None) -> int:
@@ -40,11 +40,15 @@ def run(out: Path, only: str, one_size: str | None = None, one_look: str | None 
 
 def guide() -> int:
     GUIDE.mkdir(parents=True, exist_ok=True)
+    wanted = re.findall(r"\(guide/([\w-]+?)(-phone)?\.jpg\)", GUIDE.with_suffix(".md").read_text(encoding="utf-8"))
+    if unknown := {name for name, _ in wanted} - {step.name for step in viewer_walk.STEPS}:
+        raise HouseError(f"docs/guide.md shows what no step of the walk leads to: {', '.join(sorted(unknown))}")
     with _seen() as (browser, stack, person, shown):
         for size, window in GUIDE_SIZES.items():
+            steps = [step for step, phone in wanted if bool(phone) == (size == "phone")]
             context = _context(browser, stack, person, window, "light")
             page = context.new_page()
-            for name in viewer_walk.walk(page, f"{stack.settings.url}/view/{shown}", only=GUIDE_ON_A_PHONE if size == "phone" else None):
+            for name in viewer_walk.walk(page, f"{stack.settings.url}/view/{shown}", only=steps):
                 page.screenshot(path=GUIDE / f"{name}{'-phone' if size == 'phone' else ''}.jpg", type="jpeg", quality=82)
             context.close()
     say(f"Pictures in {GUIDE}")
