@@ -80,15 +80,15 @@ class Person:
     def delete(self, data_set: str) -> None:
         self.http.delete(f"/v1/data-sets/{data_set}").raise_for_status()
 
-    def viewer(self, data_set: str, width: int, height: int) -> "Viewer":
+    def viewer(self, data_set: str, width: int, height: int, codec: int = 1) -> "Viewer":
         opened = self._post("/v1/sessions", {"data_set_id": data_set}).json()
-        return Viewer(self.stack.settings.url, opened["stream_url"], width, height)
+        return Viewer(self.stack.settings.url, opened["stream_url"], width, height, codec)
 
 
 class Viewer:
     """Speaks diaphane.v1 as the page does: acknowledges each frame, and nothing more."""
 
-    def __init__(self, origin: str, stream_url: str, width: int, height: int):
+    def __init__(self, origin: str, stream_url: str, width: int, height: int, codec: int = 1):
         from websockets.sync.client import connect
 
         self.messages = messages()
@@ -96,7 +96,7 @@ class Viewer:
                                max_size=None, compression=None)
         hello = self.messages["ClientMessage"]()
         hello.hello.protocol = 1
-        hello.hello.codecs.append(1)
+        hello.hello.codecs.append(codec)
         hello.hello.pixel_ratio = 1
         hello.hello.viewport.width, hello.hello.viewport.height = width, height
         self.socket_.send(hello.SerializeToString())
@@ -112,13 +112,31 @@ class Viewer:
         self.socket_.send(ack.SerializeToString())
         return frame
 
-    def send_scene(self, scene) -> int:
+    def send_scene(self, scene, rest: bool = False) -> int:
         self.input_seq += 1
         update = self.messages["ClientMessage"]()
         update.scene.input_seq = self.input_seq
         update.scene.scene.CopyFrom(scene)
+        update.scene.rest = rest
         self.socket_.send(update.SerializeToString())
         return self.input_seq
+
+    def film(self, wanted, timeout: float = 3600) -> bytes:
+        """The file that a message orders, of the scene as the connection began with it."""
+        view = self.messages["ClientMessage"]()
+        view.key_view.index = 0
+        view.key_view.scene.CopyFrom(self.config.scene)
+        self.socket_.send(view.SerializeToString())
+        self.socket_.send(wanted.SerializeToString())
+        parts = []
+        while True:
+            part = self._until("file_part", timeout)
+            parts.append(part.data)
+            taken = self.messages["ClientMessage"]()
+            taken.file_taken.seq = part.seq
+            self.socket_.send(taken.SerializeToString())
+            if part.last:
+                return b"".join(parts)
 
     def close(self) -> None:
         self.socket_.close()

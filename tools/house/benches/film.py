@@ -1,0 +1,47 @@
+"""A turntable as the page orders it: how long a worker makes it, and how large it is."""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from pathlib import Path
+
+from ..bench import Result, result
+from ..bench_client import Person, Viewer, cranium
+from ..bench_stack import running
+
+ABOUT = "a turntable at 720p: seconds and bytes a picture of it"
+
+WIDTH, HEIGHT, RATE = 1280, 720, 25
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--frames", type=int, help="of the film [default 50; 10 with --quick]")
+    parser.add_argument("--error", type=float, default=0.05, help="at which a picture of it is good enough [default 0.05, the page's \"Quick\"]")
+
+
+def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
+    frames = options.frames or (10 if quick else 50)
+    # The session itself is small and soon done: the film alone has the device.
+    with running(DIAPHANE_MAX_ERROR="0.9") as stack, tempfile.TemporaryDirectory() as folder:
+        person = Person(stack)
+        data_set = person.upload(cranium(stack, Path(folder)))
+        person.wait_ready(data_set)
+        viewer = person.viewer(data_set, 160, 90)
+        viewer.frame()
+        begun = time.monotonic()
+        film = viewer.film(turntable(viewer, frames, options.error))
+        seconds = time.monotonic() - begun
+        viewer.close()
+    return [result(f"a turntable of {frames} pictures, {WIDTH} x {HEIGHT}, error {options.error:g}", [seconds], "s"),
+            result("a picture of it", [seconds / frames], "s"),
+            result("the file", [len(film) / 1e6], "MB"),
+            result("a second of it", [len(film) / 1e3 * RATE / frames], "kB")]
+
+
+def turntable(viewer: Viewer, frames: int, error: float):
+    wanted = viewer.messages["ClientMessage"]()
+    film = wanted.file.film
+    film.path, film.frames, film.frames_per_second, film.width, film.height, film.error = 1, frames, RATE, WIDTH, HEIGHT, error
+    return wanted

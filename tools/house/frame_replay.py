@@ -1,0 +1,125 @@
+"""A moving picture, recorded from a real worker, and played to a page at any pace: for measurements of what the page alone can
+do where the machine's renderer is slower than that. Runs in .tools/venv."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import threading
+import time
+from dataclasses import dataclass
+from typing import Iterator
+
+from .bench_client import Person
+
+H264 = 2
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """What a connection begins with, and its frames, the first a key frame: messages of `kinds`."""
+
+    kinds: dict[str, type]
+    config: object
+    frames: list
+
+
+def record(person: Person, data_set: str, width: int, height: int, turns: int) -> Recorded:
+    """A turn round the patient, a frame of the whole size for each step: as a GPU would send them."""
+    viewer = person.viewer(data_set, width, height, codec=H264)
+    try:
+        scene = viewer.config.scene
+        eye, target = scene.camera.eye, scene.camera.target
+        across, deep = eye.x - target.x, eye.y - target.y
+        frames = [viewer.frame()]
+        for turn in range(1, turns + 1):
+            angle = 2 * math.pi * turn / turns
+            eye.x = target.x + across * math.cos(angle) - deep * math.sin(angle)
+            eye.y = target.y + across * math.sin(angle) + deep * math.cos(angle)
+            wanted = viewer.send_scene(scene, rest=True)
+            while frames[-1].input_seq < wanted or frames[-1].width < width:
+                frames.append(viewer.frame())
+        return Recorded(viewer.messages, viewer.config, frames)
+    finally:
+        viewer.close()
+
+
+#: As renderd does: a picture that comes while so many are unacknowledged is not sent (renderd/session/pictures.h).
+IN_FLIGHT = 2
+
+
+class Played:
+    """What was sent, and what the page acknowledged of it."""
+
+    def __init__(self) -> None:
+        self.over = threading.Event()
+        self.sent: list[float] = []     # seconds since the first one, by number
+        self.held_back = 0              # pictures that would have been sent
+        self.presented: set[int] = set()
+        self._acknowledged: set[int] = set()
+        self._wants_key = False
+        self._lock = threading.Lock()
+
+    def hear(self, said) -> None:
+        with self._lock:
+            self._wants_key |= said.HasField("need_key")
+            if said.ack.seq:
+                self._acknowledged.add(said.ack.seq)
+            if said.ack.presented_us:
+                self.presented.add(said.ack.seq)
+
+    def has_room(self) -> bool:
+        with self._lock:
+            return len(self.sent) - len(self._acknowledged) < IN_FLIGHT
+
+    def take_key_wish(self) -> bool:
+        with self._lock:
+            wanted, self._wants_key = self._wants_key, False
+            return wanted
+
+
+def _play(socket, recorded: Recorded, rate: float, seconds: float, played: Played) -> None:
+    """The recorded frames again and again, numbered as one connection's."""
+    begun, turn = time.monotonic(), 0
+    message = recorded.kinds["ServerMessage"]()
+    for tick in range(int(rate * seconds)):
+        time.sleep(max(0.0, begun + tick / rate - time.monotonic()))
+        if not played.has_room():
+            played.held_back += 1
+            continue
+        if played.take_key_wish():
+            turn = 0
+        message.frame.CopyFrom(recorded.frames[turn % len(recorded.frames)])
+        message.frame.seq = message.frame.epoch = len(played.sent) + 1
+        turn += 1
+        played.sent.append(time.monotonic() - begun)
+        socket.send(message.SerializeToString())
+    played.over.set()
+
+
+@contextlib.contextmanager
+def player(recorded: Recorded, rate: float, seconds: float) -> Iterator[tuple[int, Played]]:
+    """The port of a WebSocket server that plays to its visitor, and what comes of it."""
+    from websockets.exceptions import ConnectionClosed
+    from websockets.sync.server import serve
+
+    played = Played()
+
+    def hear(socket) -> None:
+        with contextlib.suppress(ConnectionClosed):
+            for said in socket:
+                played.hear(recorded.kinds["ClientMessage"].FromString(said))
+
+    def meet(socket) -> None:
+        socket.recv()  # Hello
+        socket.send(recorded.kinds["ServerMessage"](config=recorded.config).SerializeToString())
+        hearing = threading.Thread(target=hear, args=(socket,), daemon=True)
+        hearing.start()
+        with contextlib.suppress(ConnectionClosed):
+            _play(socket, recorded, rate, seconds, played)
+        hearing.join()  # the page goes first
+
+    with serve(meet, "127.0.0.1", 0, subprotocols=["diaphane.v1"], compression=None, max_size=None) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield server.socket.getsockname()[1], played
+        server.shutdown()

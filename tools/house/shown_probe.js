@@ -1,0 +1,26 @@
+// Put into the viewer's page before its own scripts (benches/frame_rate.py): leads its stream to another server, and notes before
+// each picture of the screen which frame of the stream was drawn last. A VideoFrame's timestamp is its frame's number.
+(() => {
+  const probe = { screen: [], shown: [] };
+  window.diaphaneShown = probe;
+  const { port } = window.diaphanePlayer;
+  const Native = window.WebSocket;
+  window.WebSocket = class extends Native {
+    constructor(_, protocols) {
+      super(`ws://127.0.0.1:${port}/`, protocols);
+    }
+  };
+  let newest = 0;
+  const draw = CanvasRenderingContext2D.prototype.drawImage;
+  CanvasRenderingContext2D.prototype.drawImage = function (source, ...where) {
+    draw.call(this, source, ...where);
+    if (source instanceof VideoFrame) newest = source.timestamp;
+  };
+  const look = () => {
+    requestAnimationFrame(look);
+    const now = performance.now();
+    probe.screen.push(now);
+    if (newest !== (probe.shown.at(-1)?.seq ?? 0)) probe.shown.push({ seq: newest, now });
+  };
+  requestAnimationFrame(look);
+})();
