@@ -50,7 +50,10 @@ def _effort(page) -> None:
     _press("Lens and quality")(page)
     lens = page.get_by_role("dialog", name="Lens and quality", exact=True)
     lens.get_by_text("More", exact=True).click()
-    lens.get_by_label("A picture is finished").select_option("samples")
+    lens.get_by_label("A picture is finished").select_option("error")
+    enough = lens.get_by_label("Error that is good enough, typed")
+    enough.fill("3")
+    enough.press("Enter")
     lens.get_by_role("button", name="Reset lens and quality").scroll_into_view_if_needed()
 
 
@@ -110,10 +113,10 @@ def walk(page, address: str, samples: int = SAMPLES, only: Sequence[str] | None 
 
 def settle(page, samples: int, shown: str) -> None:
     """The picture is as good as is asked for, and what is beside it has come: thumbnails are rendered once for each scan. What
-    does not come is waited for no longer than that."""
-    for _ in range(480):
+    does not come (a picture behind a slice) is waited for no longer than that."""
+    for quarter in range(480):
         page.wait_for_timeout(250)
-        now = int(page.locator("canvas[data-samples]").first.get_attribute("data-samples") or 0)
-        if now >= samples and page.locator(shown).count() and page.locator(".preset-picture:not(:has(img))").count() == 0:
+        good = quarter > 120 or int(page.locator("canvas[data-samples]").first.get_attribute("data-samples") or 0) >= samples
+        if good and page.locator(shown).count() and page.locator(".preset-picture:not(:has(img))").count() == 0:
             break
     page.wait_for_timeout(400)    # what glides in has come to rest

@@ -20,28 +20,32 @@ PAGE = True
 MOST_MS = 16.0
 WINDOWS = ("Materials", "Light", "Lens and quality", "Cuts and slices")
 NO_ANSWER_MS = 1000
-#: Each slider of the open window moved, and moved again: from the event until its own value is another in the page. The next
-#: comes a picture of the screen later, so that none waits for the one before. Each stays in that half of its way where it was
-#: found: faces of the cut stop at each other, and one that is pushed against the other rightly says the same value as before.
+#: Each slider of the open window moved by an event, from that until its own value is another in the page. Then that is undone, so
+#: that none is moved to where it or another cannot go on: faces of the cut and points of a curve stop at each other.
 MOVES = """async ([rounds, noAnswer]) => {
     const next = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+    const said = (slider) => slider.getAttribute("aria-valuetext");
+    const undo = document.querySelector("button[aria-keyshortcuts='Control+Z']");
     const times = [];
     for (let round = 0; round < rounds; round++)
         for (const slider of document.querySelectorAll(".window input[type=range]:enabled")) {
+            const before = said(slider);
             const answer = new Promise((resolve) => {
                 const seen = new MutationObserver(() => { seen.disconnect(); resolve(performance.now()); });
                 seen.observe(slider, { attributes: true, attributeFilter: ["aria-valuetext"] });
                 setTimeout(() => { seen.disconnect(); resolve(null); }, noAnswer);
             });
             const low = Number(slider.min), range = Number(slider.max) - low;
-            const now = (slider.valueAsNumber - low) / range;
-            slider.dataset.begins ??= now > 0.5 ? 0.55 : 0.05;
-            const begins = Number(slider.dataset.begins);
-            slider.valueAsNumber = low + range * (begins + (now - begins > 0.2 ? 0.1 : 0.3) + round / 1000);
+            slider.valueAsNumber = low + range * (slider.valueAsNumber > low + range / 2 ? 0.3 + round / 1000 : 0.7 - round / 1000);
             const begun = performance.now();
             slider.dispatchEvent(new Event("input", { bubbles: true }));
             const shown = await answer;
             times.push([slider.ariaLabel, shown === null ? noAnswer : shown - begun]);
+            slider.dispatchEvent(new Event("change", { bubbles: true }));
+            await next();
+            undo.click();
+            for (let waited = 0; said(slider) !== before && waited < 60; waited++) await next();
+            if (said(slider) !== before) throw new Error(`${slider.ariaLabel} was not undone`);
             await next();
         }
     return times;
