@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { plot_of } from "./plot_scale";
+import { plot_of, with_point } from "./plot_scale";
 
 describe("the plot of error against time", () => {
   it("an error that falls with the square root of time is a straight line", () => {
@@ -14,6 +14,10 @@ describe("the plot of error against time", () => {
     expect(plot?.horizontal.map(({ percent }) => percent)).toEqual([0.1, 1, 10, 100]);
     for (const { at } of plot?.horizontal ?? []) expect(at >= -1e-9 && at <= 74 + 1e-9).toBe(true);
     expect(plot?.vertical).toHaveLength(4);
+  });
+  it("does not go back in time for a picture that was tone-mapped faster than the one before", () => {
+    const told = [{ seconds: 2, error: 0.3 }, { seconds: 1.5, error: 0.2 }, { seconds: 0, error: 0.1 }, { seconds: 4, error: Number.NaN }, { seconds: 3, error: 0.1 }];
+    expect(told.reduce(with_point, [])).toEqual([{ seconds: 2, error: 0.3 }, { seconds: 2, error: 0.2 }, { seconds: 3, error: 0.1 }]);
   });
   it("has nothing to say of one point, or of errors that are not known", () => {
     expect(plot_of([{ seconds: 1, error: 0.1 }], 190, 74)).toBeNull();

@@ -8,6 +8,17 @@ export interface Plot {
   readonly horizontal: readonly { readonly at: number; readonly percent: number }[];
 }
 
+const most_points = 400;
+
+/**
+ * With what one more picture says. Its time is that of its samples and of its own tone mapping, which may take less than that
+ * of the picture before: the plot's time does not go back for it.
+ */
+export function with_point(curve: readonly ErrorPoint[], { seconds, error }: ErrorPoint): readonly ErrorPoint[] {
+  if (!Number.isFinite(error) || error <= 0 || !(seconds > 0)) return curve;
+  return [...curve, { seconds: Math.max(seconds, curve.at(-1)?.seconds ?? 0), error }].slice(-most_points);
+}
+
 export function plot_of(points: readonly ErrorPoint[], width: number, height: number): Plot | null {
   const usable = points.filter(({ seconds, error }) => seconds > 0 && error > 0 && Number.isFinite(seconds + error));
   if (usable.length < 2) return null;

@@ -39,6 +39,7 @@ import { make_decoder } from "./ladder";
 import { LosslessEnd, type LosslessFacts } from "./lossless_end";
 import type { Painter } from "./painter";
 import type { Picture } from "./picture";
+import { with_point } from "./plot_scale";
 import { sha256 } from "./sha256";
 import { decode_still } from "./tile_pixels";
 import { remember_view, remembered_view } from "./view_memory";
@@ -456,9 +457,7 @@ export class ViewerSession {
     this.picture.value = facts;
     const fresh = before?.epoch !== facts.epoch || before.samples > facts.samples;
     this.converged.value = this.converged_epoch_ === facts.epoch;
-    const known = Number.isFinite(facts.error) && facts.error > 0 && facts.seconds > 0;
-    const point: readonly ErrorPoint[] = known ? [{ seconds: facts.seconds, error: facts.error }] : [];
-    this.curve.value = [...(fresh ? [] : this.curve.value), ...point].slice(-400);
+    this.curve.value = with_point(fresh ? [] : this.curve.value, facts);
   }
 
   private remember_soon(): void {
