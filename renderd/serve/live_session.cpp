@@ -188,6 +188,8 @@ void LiveSession::end(const Error& why) {
 void LiveSession::tick() {
   Lanes poked;
   std::vector<std::uint64_t> delayed;  // slices, for having been asked for too fast
+  // Of the host, which asks sessions under its lock: not under this one.
+  const std::size_t sessions = parts_.session_count();
   {
     const std::lock_guard lock(mutex_);
     const TimePoint now = parts_.clock.now();
@@ -209,7 +211,7 @@ void LiveSession::tick() {
         v1::ServerMessage message;
         v1::Stats& stats = *message.mutable_stats();
         stats.set_samples_per_second(static_cast<double>(samples_since_) / seconds);
-        stats.set_sessions(static_cast<std::uint32_t>(parts_.session_count()));
+        stats.set_sessions(static_cast<std::uint32_t>(sessions));
         stats.set_dropped_samples(dropped_samples_);
         stats.set_frames_skipped(skipped);
         for (const Receiver& receiver : state_.audience.receivers) {

@@ -377,8 +377,11 @@ TEST_F(HostTest, AFollowersOwnCameraFollowsTheSettingsAndNotTheCamera) {
   EXPECT_FALSE(again->config().follower());
   EXPECT_EQ(worker->host().used(), 2U) << "it costs a slot, and is counted";
   const v1::Scene mine = turned(again->config().scene(), 77);
-  ann.say(scene_message(5, mine));
-  ASSERT_TRUE(ann.follow([](const v1::Frame& frame) { return frame.input_seq() == 5; }));
+  // Each input's frame has a number of its own: the last is 6 at least.
+  for (std::uint64_t input = 5; input <= 10; ++input) {
+    ann.say(scene_message(input, turned(mine, static_cast<double>(input))));
+    ASSERT_TRUE(ann.follow([&](const v1::Frame& frame) { return frame.input_seq() == input; }));
+  }
   const int before = device->scenes;
   v1::Scene settings = turned(config->config().scene(), 3);
   settings.mutable_transfer_function()->set_extinction_per_mm(0.123);
@@ -395,7 +398,7 @@ TEST_F(HostTest, AFollowersOwnCameraFollowsTheSettingsAndNotTheCamera) {
   EXPECT_EQ(back->config().scene().camera().eye().x(), settings.camera().eye().x());
   const auto frame = ann.link->inbox.next_of(Kind::kFrame);
   ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->frame().seq(), 1U);
+  EXPECT_LT(frame->frame().seq(), 6U) << "begun anew; of two that nobody took yet the first is left out";
   EXPECT_EQ(worker->host().used(), 1U);
   // It also ends with its viewer.
   own.mutable_own_camera()->set_on(true);
