@@ -23,6 +23,11 @@ def test_what_is_left_out_is_in_a_file_that_is_there():
         assert "race:libgrpc" in file.read()
 
 
+def test_only_programs_with_grpc_are_blind_to_the_order_of_locks():
+    for name in races.PROGRAMS:
+        assert ("ignore_noninstrumented_modules" in races.sanitizer_options(name)) == (name in races.WITH_GRPC)
+
+
 def test_a_program_that_is_none_of_them_is_refused():
     with pytest.raises(HouseError, match="render_scene_test"):
         races.run(["render_scene_test"])

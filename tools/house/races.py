@@ -14,6 +14,10 @@ from .says import HouseError, say, step, warn
 PROGRAMS = ("common_service_test", "api_redis_test", "api_stream_test", "render_thread_pool_test", "render_composite_test",
             "render_schedule_test", "render_session_test", "render_encode_test", "render_serve_test", "render_grpc_test",
             "operator_kube_test", "operator_objects_test")
+#: Those that link gRPC, which is compiled without the sanitizer: what its threads do is left out by
+#: `ignore_noninstrumented_modules`. That leaves out every finding of locks taken in two orders too (seen: two in
+#: render_serve_test), so the others run without it.
+WITH_GRPC = ("api_stream_test", "render_grpc_test")
 #: A sanitized program is 5 to 15 times slower.
 SECONDS_A_PROGRAM = 1800
 
@@ -31,10 +35,12 @@ def run(programs: list[str], may_install: bool = True) -> int:
     return 1 if faults else 0
 
 
-def sanitizer_options() -> str:
-    """Those of the test preset, so that both ways see the same."""
+def sanitizer_options(name: str = WITH_GRPC[0]) -> str:
+    """Those of the test preset, which are for all programs; of one that needs less, less."""
     presets = json.loads((paths.REPO / "CMakePresets.json").read_text(encoding="utf-8"))["testPresets"]
     [options] = [preset["environment"]["TSAN_OPTIONS"] for preset in presets if preset["name"] == "tsan"]
+    if name not in WITH_GRPC:
+        options = options.replace(":ignore_noninstrumented_modules=1", "")
     return options.replace("${sourceDir}", str(paths.REPO))
 
 
@@ -42,7 +48,7 @@ def _is_clean(folder: Path, name: str) -> bool:
     try:
         done = subprocess.run([folder / "bin" / name, "--gtest_brief=1"], cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True, errors="replace", timeout=SECONDS_A_PROGRAM,
-                              env={**os.environ, "TSAN_OPTIONS": sanitizer_options()})
+                              env={**os.environ, "TSAN_OPTIONS": sanitizer_options(name)})
     except subprocess.TimeoutExpired:
         warn(f"{name} did not end within {SECONDS_A_PROGRAM} s")
         return False
