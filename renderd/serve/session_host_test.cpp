@@ -398,7 +398,8 @@ TEST_F(HostTest, AFollowersOwnCameraFollowsTheSettingsAndNotTheCamera) {
   EXPECT_EQ(back->config().scene().camera().eye().x(), settings.camera().eye().x());
   const auto frame = ann.link->inbox.next_of(Kind::kFrame);
   ASSERT_TRUE(frame);
-  EXPECT_LT(frame->frame().seq(), 6U) << "begun anew; of two that nobody took yet the first is left out";
+  EXPECT_LT(frame->frame().seq(), 6U)
+      << "begun anew; of two that nobody took yet the first is left out";
   EXPECT_EQ(worker->host().used(), 1U);
   // It also ends with its viewer.
   own.mutable_own_camera()->set_on(true);
