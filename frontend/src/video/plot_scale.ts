@@ -10,17 +10,19 @@ export interface Plot {
 
 const most_points = 400;
 
+const is_known = ({ seconds, error }: ErrorPoint) => seconds > 0 && error > 0 && Number.isFinite(seconds + error);
+
 /**
  * With what one more picture says. Its time is that of its samples and of its own tone mapping, which may take less than that
  * of the picture before: the plot's time does not go back for it.
  */
 export function with_point(curve: readonly ErrorPoint[], { seconds, error }: ErrorPoint): readonly ErrorPoint[] {
-  if (!Number.isFinite(error) || error <= 0 || !(seconds > 0)) return curve;
+  if (!is_known({ seconds, error })) return curve;
   return [...curve, { seconds: Math.max(seconds, curve.at(-1)?.seconds ?? 0), error }].slice(-most_points);
 }
 
 export function plot_of(points: readonly ErrorPoint[], width: number, height: number): Plot | null {
-  const usable = points.filter(({ seconds, error }) => seconds > 0 && error > 0 && Number.isFinite(seconds + error));
+  const usable = points.filter(is_known);
   if (usable.length < 2) return null;
   const xs = usable.map(({ seconds }) => Math.log10(seconds));
   const ys = usable.map(({ error }) => Math.log10(error));
