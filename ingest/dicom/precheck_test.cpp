@@ -36,8 +36,8 @@ std::string header(std::string uid = "1.2.840.10008.1.2.1") {
   return std::string(128, '\0') + "DICM" + element(2, 0x10, "UI", uid);
 }
 
-std::string sizes(std::uint32_t rows, std::uint32_t columns) {
-  return element(0x28, 2, "US", u16(1)) + element(0x28, 0x10, "US", u16(rows)) +
+std::string sizes(std::uint32_t rows, std::uint32_t columns, std::uint32_t samples = 1) {
+  return element(0x28, 2, "US", u16(samples)) + element(0x28, 0x10, "US", u16(rows)) +
          element(0x28, 0x11, "US", u16(columns)) + element(0x28, 0x100, "US", u16(16));
 }
 
@@ -294,13 +294,8 @@ TEST(Precheck, PixelsOfWhichNothingIsSaidAreDamage) {
             FileState::kDamaged);
   EXPECT_EQ(check(header() + sizes(0, 3) + pixels(2, "pq")).state, FileState::kDamaged);
   // No samples do not make the largest picture one of no bytes.
-  const std::string none = element(0x28, 2, "US", u16(0)) + element(0x28, 0x10, "US", u16(65535)) +
-                           element(0x28, 0x11, "US", u16(65535));
-  EXPECT_EQ(check(header() + none + pixels(2, "pq")).state, FileState::kTooLarge);
-  EXPECT_EQ(check(header() + element(0x28, 2, "US", u16(0)) + element(0x28, 0x10, "US", u16(1)) +
-                  element(0x28, 0x11, "US", u16(1)) + pixels(2, "pq"))
-                .state,
-            FileState::kDamaged);
+  EXPECT_EQ(check(header() + sizes(65535, 65535, 0) + pixels(2, "pq")).state, FileState::kTooLarge);
+  EXPECT_EQ(check(header() + sizes(1, 1, 0) + pixels(2, "pq")).state, FileState::kDamaged);
 }
 
 TEST(Precheck, OtherFilesAreNotDicom) {
