@@ -11,10 +11,35 @@ constexpr const char* kFleet = "render";
 constexpr int kGpusANode = 8;
 constexpr int kSample = 64;  // as place.lua
 
+struct Spread {
+  double count = 0, sum = 0, squares = 0;
+
+  void add(double value) {
+    ++count;
+    sum += value;
+    squares += value * value;
+  }
+  double mean() const { return sum / count; }
+  /// Standard deviation over mean.
+  double deviation() const {
+    return std::sqrt(std::max(0.0, squares / count - mean() * mean())) / mean();
+  }
+};
+
 }  // namespace
 
 const char* name_of(Way way) {
-  return way == Way::kLoad ? "load" : way == Way::kRoundRobin ? "round-robin" : "least-count";
+  switch (way) {
+    case Way::kLoad:
+      return "load";
+    case Way::kLoadAndLending:
+      return "load-and-lending";
+    case Way::kRoundRobin:
+      return "round-robin";
+    case Way::kLeastCount:
+      return "least-count";
+  }
+  return "";
 }
 
 FleetModel::FleetModel(const Setting& setting, Way way)
@@ -22,7 +47,8 @@ FleetModel::FleetModel(const Setting& setting, Way way)
       way_(way),
       random_(setting.seed),
       faults_(setting.seed + 1),
-      normal_(setting.seed) {
+      normal_(setting.seed),
+      lending_(setting.lending, setting.lending_costs, setting.seed + 2) {
   world_.now = 1'000'000;
   world_.complete = true;
   for (int i = 0; i < (setting.devices + kGpusANode - 1) / kGpusANode; ++i) {
@@ -353,6 +379,7 @@ void FleetModel::take_samples() {
   for (const Worker& one : world_.workers) {
     Device& device = devices_[static_cast<std::size_t>(device_of(one.name))];
     used += device.sessions;
+    device.node = node_numbers_.emplace(one.node, int(node_numbers_.size())).first->second;
     const Pod* its = pod(one.name);
     if (!its || !device.ready || its->owner_uid != one.uid) continue;
     Telemetry sample;
@@ -373,27 +400,51 @@ void FleetModel::take_samples() {
   world_.demand[0] = {kFleet, used, 0, static_cast<int>(waiting_.size()), world_.now, world_.now};
 }
 
-void FleetModel::measure(Figures& figures) const {
-  double late = 0, all = 0, squares = 0, stays = 0, stay_squares = 0;
-  int devices = 0;
+void FleetModel::lend_devices() {
+  std::vector<LendingModel::Device> devices;
+  devices.reserve(devices_.size());
   for (const Device& one : devices_) {
-    if (!one.ready || one.told) continue;
-    ++devices;
-    all += one.wants;
-    squares += one.wants * one.wants;
-    stays += one.shares;
-    stay_squares += one.shares * one.shares;
-    late += std::max(0.0, one.wants - 1);
+    devices.push_back({one.ready && !one.told, one.told, one.node, one.wants});
   }
-  if (devices == 0 || all == 0) return;
-  late -= std::max(0.0, all - devices);  // that no placing could have helped
-  const auto deviation = [&](double sum, double sum_of_squares) {
-    const double mean = sum / devices;
-    return std::sqrt(std::max(0.0, sum_of_squares / devices - mean * mean)) / mean;
-  };
-  figures.lost += late / all / setting_.seconds;
-  figures.spread += deviation(all, squares) / setting_.seconds;
-  figures.spread_of_stays += deviation(stays, stay_squares) / setting_.seconds;
+  lending_.step(devices);
+}
+
+double FleetModel::load(std::size_t device) const {
+  return way_ == Way::kLoadAndLending ? lending_.load(device) : devices_[device].wants;
+}
+
+void FleetModel::measure(Figures& figures) const {
+  Spread loads, busy, stays, loads_by_node, stays_by_node;
+  double late = 0, wants = 0;
+  std::map<int, std::pair<Spread, Spread>> nodes;
+  for (std::size_t i = 0; i < devices_.size(); ++i) {
+    const Device& one = devices_[i];
+    if (!one.ready || one.told) continue;
+    wants += one.wants;
+    late += std::max(0.0, load(i) - 1);
+    loads.add(load(i));
+    busy.add(std::min(1.0, load(i)));
+    stays.add(one.shares);
+    nodes[one.node].first.add(load(i));
+    nodes[one.node].second.add(one.shares);
+  }
+  if (wants == 0) return;
+  late -= std::max(0.0, wants - loads.count);  // that no placing could have helped
+  for (const auto& [node, its] : nodes) {
+    loads_by_node.add(its.first.mean());
+    stays_by_node.add(its.second.mean());
+  }
+  figures.lost += late / wants / setting_.seconds;
+  figures.spread += loads.deviation() / setting_.seconds;
+  figures.spread_of_busy += busy.deviation() / setting_.seconds;
+  figures.spread_by_node += loads_by_node.deviation() / setting_.seconds;
+  figures.spread_of_stays += stays.deviation() / setting_.seconds;
+  figures.spread_of_stays_by_node += stays_by_node.deviation() / setting_.seconds;
+  if (way_ == Way::kLoadAndLending) {
+    figures.lent += lending_.lent() / loads.count / setting_.seconds;
+    figures.helpers += double(lending_.helpers()) / loads.count / setting_.seconds;
+    figures.begun += 60.0 * double(lending_.begun()) / loads.count / setting_.seconds;
+  }
   std::unordered_map<std::string, int> on;
   for (const Worker& one : world_.workers) {
     if (++on[one.node] > kGpusANode) ++figures.over_committed;
@@ -415,6 +466,7 @@ Figures FleetModel::run() {
       run_sessions(figures, measured, static_cast<int>(setting_.sessions * share));
     }
     take_samples();
+    if (way_ == Way::kLoadAndLending) lend_devices();
     if (measured) measure(figures);
   }
   figures.refused /= std::max(1L, figures.placings);

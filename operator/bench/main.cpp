@@ -1,4 +1,5 @@
-// diaphane-operator-bench: the plan on a simulated fleet, three ways of placing sessions.
+// diaphane-operator-bench: the plan on a simulated fleet, three ways of placing
+// sessions, and devices lent to neighbours' sessions.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -33,6 +34,15 @@ bool take(const std::string& name, const char* value, Setting& setting, std::str
     setting.seconds = static_cast<int>(number);
   } else if (name == "--wanted") {
     setting.wanted = number;
+  } else if (name == "--helpers") {
+    setting.lending.most = static_cast<std::size_t>(number);
+  } else if (name == "--lend-from") {
+    setting.lending.borrows = number;
+    setting.lending.enough = number - 0.2;
+  } else if (name == "--merging") {
+    setting.lending_costs.merging = number;
+  } else if (name == "--load-seconds") {
+    setting.lending_costs.load_seconds = number;
   } else if (name == "--seed") {
     setting.seed = static_cast<std::uint64_t>(number);
   } else if (name == "--json") {
@@ -54,7 +64,8 @@ int main(int argc, char** argv) {
     if (i + 1 < argc && take(argv[i], argv[i + 1], setting, json, csv)) continue;
     std::fprintf(stderr,
                  "usage: diaphane-operator-bench [--sessions N] [--devices N] [--slots N] "
-                 "[--seconds N] [--wanted SHARE] [--seed N] [--json FILE] [--csv FILE]\n");
+                 "[--seconds N] [--wanted SHARE] [--helpers N] [--merging SHARE] "
+                 "[--load-seconds N] [--seed N] [--json FILE] [--csv FILE]\n");
     return kUsage;
   }
   if (setting.sessions < 1 || setting.devices < 1 || setting.slots < 1 || setting.seconds < 1) {
@@ -63,25 +74,41 @@ int main(int argc, char** argv) {
   }
   std::printf("%d sessions, %d devices, %d slots each, %d s\n", setting.sessions, setting.devices,
               setting.slots, setting.seconds);
-  std::printf("%-12s %9s %9s %9s %9s %8s %8s %6s %9s %9s\n", "", "lost", "spread", "of stays",
-              "refused", "moves", "drained", "over", "plan p50", "plan p99");
+  std::printf("%-16s %8s %8s %8s %8s %8s %8s %9s %7s %7s %5s %9s %9s\n", "", "lost", "spread",
+              "by node", "busy", "of stays", "by node", "refused", "moves", "drained", "over",
+              "plan p50", "plan p99");
   nlohmann::json rows = nlohmann::json::array();
   std::string lines =
-      "way,lost,spread,spread_of_stays,refused,placings,moves,drained,over,plan_p50_ms,plan_p99_"
+      "way,lost,spread,spread_by_node,spread_of_busy,spread_of_stays,spread_of_stays_by_node,lent,"
+      "helpers,begun,refused,placings,moves,drained,over,plan_p50_ms,plan_p99_"
       "ms\n";
-  for (const Way way : {Way::kLoad, Way::kLeastCount, Way::kRoundRobin}) {
+  for (const Way way : {Way::kLoadAndLending, Way::kLoad, Way::kLeastCount, Way::kRoundRobin}) {
     const Figures figures = FleetModel(setting, way).run();
     const double p50 = 1e3 * percentile(figures.plan_seconds, 0.5);
     const double p99 = 1e3 * percentile(figures.plan_seconds, 0.99);
-    std::printf("%-12s %8.3f%% %8.1f%% %8.1f%% %8.4f%% %8ld %8ld %6ld %6.1f ms %6.1f ms\n",
-                name_of(way), 100 * figures.lost, 100 * figures.spread,
-                100 * figures.spread_of_stays, 100 * figures.refused, figures.moves,
-                figures.moved_alive, figures.over_committed, p50, p99);
+    std::printf(
+        "%-16s %7.3f%% %7.1f%% %7.1f%% %7.1f%% %7.1f%% %7.1f%% %8.4f%% %7ld %7ld %5ld %6.1f ms "
+        "%6.1f ms\n",
+        name_of(way), 100 * figures.lost, 100 * figures.spread, 100 * figures.spread_by_node,
+        100 * figures.spread_of_busy, 100 * figures.spread_of_stays,
+        100 * figures.spread_of_stays_by_node, 100 * figures.refused, figures.moves,
+        figures.moved_alive, figures.over_committed, p50, p99);
+    if (figures.helpers > 0) {
+      std::printf(
+          "  lent: %.1f%% of all devices' time, %.2f helpers a device, %.1f asked a minute\n",
+          100 * figures.lent, figures.helpers, figures.begun);
+    }
     std::fflush(stdout);
     rows.push_back({{"way", name_of(way)},
                     {"lost", figures.lost},
                     {"spread", figures.spread},
+                    {"spread_by_node", figures.spread_by_node},
+                    {"spread_of_busy", figures.spread_of_busy},
                     {"spread_of_stays", figures.spread_of_stays},
+                    {"spread_of_stays_by_node", figures.spread_of_stays_by_node},
+                    {"lent", figures.lent},
+                    {"helpers", figures.helpers},
+                    {"begun", figures.begun},
                     {"refused", figures.refused},
                     {"placings", figures.placings},
                     {"moves", figures.moves},
@@ -89,11 +116,12 @@ int main(int argc, char** argv) {
                     {"over", figures.over_committed},
                     {"plan_p50_ms", p50},
                     {"plan_p99_ms", p99}});
-    char line[256];
-    std::snprintf(line, sizeof line, "%s,%g,%g,%g,%g,%ld,%ld,%ld,%ld,%g,%g\n", name_of(way),
-                  figures.lost, figures.spread, figures.spread_of_stays, figures.refused,
-                  figures.placings, figures.moves, figures.moved_alive, figures.over_committed, p50,
-                  p99);
+    char line[384];
+    std::snprintf(line, sizeof line, "%s,%g,%g,%g,%g,%g,%g,%g,%g,%g,%g,%ld,%ld,%ld,%ld,%g,%g\n",
+                  name_of(way), figures.lost, figures.spread, figures.spread_by_node,
+                  figures.spread_of_busy, figures.spread_of_stays, figures.spread_of_stays_by_node,
+                  figures.lent, figures.helpers, figures.begun, figures.refused, figures.placings,
+                  figures.moves, figures.moved_alive, figures.over_committed, p50, p99);
     lines += line;
   }
   const nlohmann::json report{{"sessions", setting.sessions}, {"devices", setting.devices},

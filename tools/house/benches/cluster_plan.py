@@ -14,6 +14,7 @@ from ..says import HouseError, say
 ABOUT = "the operator's plan on 8,000 simulated devices: lost to imbalance, moves, refusals, plan time (--sessions, --devices)"
 PROGRAMS = ("diaphane-operator-bench",)
 OURS = "load"
+LENDING = "load-and-lending"
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -45,10 +46,13 @@ def results_of(report: dict) -> list[Result]:
     for way, row in rows.items():
         results += [Result(f"{way}: lost to imbalance", 100 * row["lost"], "%"),
                     Result(f"{way}: load, standard deviation over mean", 100 * row["spread"], "%"),
-                    Result(f"{way}: the same of what their sessions take while they stay", 100 * row["spread_of_stays"], "%"),
+                    Result(f"{way}: load, by node", 100 * row["spread_by_node"], "%"),
+                    Result(f"{way}: what their sessions take while they stay, standard deviation over mean", 100 * row["spread_of_stays"], "%"),
+                    Result(f"{way}: what their sessions take while they stay, by node", 100 * row["spread_of_stays_by_node"], "%"),
                     Result(f"{way}: refused", 100 * row["refused"], "%"),
                     Result(f"{way}: sessions placed again", row["moves"], ""),
                     Result(f"{way}: nodes with more workers than GPUs", row["over"], "", 0, 0, row["over"] == 0)]
+    results.append(Result(f"{LENDING}: of all devices' time, lent", 100 * rows[LENDING]["lent"], "%"))
     ours = rows[OURS]
     results.append(Result("plan, p50", ours["plan_p50_ms"], "ms", 0, 50, ours["plan_p50_ms"] <= 50))
     results.append(Result("plan, p99", ours["plan_p99_ms"], "ms"))

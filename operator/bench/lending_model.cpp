@@ -1,0 +1,120 @@
+#include "operator/bench/lending_model.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+
+namespace diaphane::fleet::bench {
+namespace {
+
+constexpr std::size_t kAtRandom = 16;
+constexpr int kRounds = 6;  // of sharing out; a further one moves less than a thousandth
+
+std::size_t number(const std::string& id) { return static_cast<std::size_t>(std::stoul(id)); }
+
+}  // namespace
+
+Neighbour LendingModel::seen(const std::vector<Device>& devices, std::size_t of,
+                             std::size_t by) const {
+  Neighbour one;
+  one.id = std::to_string(of);
+  one.load = said_[of].load;
+  one.lent = said_[of].lent;
+  one.age = 1;
+  one.same_node = devices[of].node == devices[by].node;
+  one.draining = devices[of].draining;
+  return one;
+}
+
+void LendingModel::decide(const std::vector<Device>& devices) {
+  std::map<int, std::vector<std::size_t>> nodes;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    if (devices[i].there) nodes[devices[i].node].push_back(i);
+  }
+  helpers_ = begun_ = 0;
+  LendingQuestion question;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    if (!devices[i].there) {
+      lendings_[i] = {};
+      continue;
+    }
+    // Nobody else is asked while the device is enough and none is held.
+    if (devices[i].wants < rules_.borrows && lendings_[i].helpers.empty()) continue;
+    question.asked = devices[i].wants;
+    question.helped = helped_[i];
+    question.neighbours.clear();
+    std::vector<std::size_t> known = nodes[devices[i].node];
+    for (std::size_t k = 0; k < kAtRandom; ++k) known.push_back(random_.below(devices.size()));
+    for (const Helper& helper : lendings_[i].helpers) known.push_back(number(helper.id));
+    std::sort(known.begin(), known.end());
+    known.erase(std::unique(known.begin(), known.end()), known.end());
+    for (const std::size_t other : known) {
+      if (other != i && devices[other].there) {
+        question.neighbours.push_back(seen(devices, other, i));
+      }
+    }
+    lendings_[i] = lend(std::move(lendings_[i]), question, rules_, random_.bits());
+    helpers_ += lendings_[i].helpers.size();
+    for (const Helper& helper : lendings_[i].helpers) begun_ += helper.since == 0;
+  }
+}
+
+void LendingModel::share_out(const std::vector<Device>& devices) {
+  struct Link {
+    std::size_t from, to;
+    double wanted = 0;
+  };
+  std::vector<Link> links;
+  std::vector<double> lacks(devices.size()), left(devices.size()), given(devices.size());
+  const double of_use = 1 - costs_.handing - costs_.merging;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    lacks[i] = std::max(0.0, devices[i].wants - 1) / of_use;
+    left[i] = std::max(0.0, 1 - devices[i].wants);
+    for (const Helper& helper : lendings_[i].helpers) {
+      if (helper.since >= costs_.load_seconds) links.push_back({number(helper.id), i});
+    }
+  }
+  std::vector<double> taken(devices.size());
+  std::vector<int> open(devices.size());
+  std::vector<double> wanted(devices.size());
+  // Who lacks asks its helpers for even parts; who is asked for more than it has left gives each
+  // the same part of it.
+  for (int round = 0; round < kRounds; ++round) {
+    std::fill(open.begin(), open.end(), 0);
+    std::fill(wanted.begin(), wanted.end(), 0.0);
+    for (const Link& link : links) open[link.to] += left[link.from] > 0;
+    for (Link& link : links) {
+      link.wanted = left[link.from] > 0 ? lacks[link.to] / open[link.to] : 0;
+      wanted[link.from] += link.wanted;
+    }
+    std::vector<double> scale(devices.size());
+    for (std::size_t i = 0; i < devices.size(); ++i) {
+      scale[i] = wanted[i] > 0 ? std::min(1.0, left[i] / wanted[i]) : 0;
+    }
+    for (const Link& link : links) {
+      const double gets = link.wanted * scale[link.from];
+      given[link.from] += gets;
+      left[link.from] = std::max(0.0, left[link.from] - gets);
+      taken[link.to] += gets;
+      lacks[link.to] = std::max(0.0, lacks[link.to] - gets);
+    }
+  }
+  lent_ = 0;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    said_[i] = {std::min(1.0, devices[i].wants), given[i]};
+    helped_[i] = taken[i] * of_use;
+    loads_[i] = devices[i].wants - taken[i] * of_use + given[i];
+    lent_ += given[i];
+  }
+}
+
+void LendingModel::step(const std::vector<Device>& devices) {
+  lendings_.resize(devices.size());
+  said_.resize(devices.size());
+  helped_.resize(devices.size());
+  loads_.resize(devices.size());
+  decide(devices);
+  share_out(devices);
+}
+
+}  // namespace diaphane::fleet::bench
