@@ -1,74 +1,17 @@
 #include "api/redis/sessions.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <atomic>
-#include <fstream>
 #include <thread>
 
 #include "api/redis/links.h"
-#include "api/redis/test_redis_server.h"
-#include "common/ids.h"
+#include "api/redis/test_sessions.h"
 
 namespace diaphane::api::redis {
 namespace {
 
 using testing::ElementsAre;
-
-struct Worker {
-  std::string id;
-  int slots = 4;
-  std::string volumes = "";
-  std::string draining = "0";
-  std::string epoch = "1";
-  std::string incarnation = "first";
-  std::string load = "0";
-  std::string expected = "";  // empty: of a worker that does not say it
-};
-
-class SessionsTest : public testing::Test {
- protected:
-  static void SetUpTestSuite() { server_ = std::make_unique<TestRedisServer>(); }
-  static void TearDownTestSuite() { server_.reset(); }
-
-  SessionsTest() : client_(*Client::create({.address = server_->address()})), sessions_(*client_) {
-    EXPECT_TRUE(client_->command({"FLUSHALL"}));
-  }
-
-  /// What a worker's heartbeat writes.
-  void announce(const Worker& w) {
-    const std::string key = "diaphane:worker:" + w.id;
-    const std::string slots = std::to_string(w.slots);
-    const std::string address = w.id + ":8085";
-    ASSERT_TRUE(client_->command({"SADD", "diaphane:workers", w.id}));
-    ASSERT_TRUE(client_->command({"HSET", key, "address", address, "incarnation", w.incarnation,
-                                  "slots", slots, "used", "0", "draining", w.draining, "volumes",
-                                  w.volumes, "epoch", w.epoch, "load", w.load}));
-    if (w.expected.empty()) return;
-    const std::string live = std::to_string(used(w.id));
-    ASSERT_TRUE(client_->command({"HSET", key, "expected", w.expected, "sessions", live}));
-  }
-  void vanish(const std::string& worker) {
-    ASSERT_TRUE(client_->command({"DEL", "diaphane:worker:" + worker}));
-  }
-  std::int64_t used(const std::string& worker) {
-    return client_->command({"ZCARD", "diaphane:worker:" + worker + ":sessions"})->integer;
-  }
-  void expire_entry(const std::string& worker, const std::string& session) {
-    ASSERT_TRUE(
-        client_->command({"ZADD", "diaphane:worker:" + worker + ":sessions", "1", session}));
-  }
-  PlaceRequest request(const std::string& user = new_id(), const std::string& data_set = new_id()) {
-    return {new_id(), user, data_set};
-  }
-
-  static std::unique_ptr<TestRedisServer> server_;
-  std::unique_ptr<Client> client_;
-  Sessions sessions_;
-};
-
-std::unique_ptr<TestRedisServer> SessionsTest::server_;
 
 TEST_F(SessionsTest, WithoutAWorkerNothingIsPlacedAndNothingIsLeftButThatItWasAsked) {
   const auto asked = request();
@@ -461,93 +404,6 @@ TEST_F(SessionsTest, ASessionHasABoundedNumberOfLinksAndNoneOutlivesIt) {
             ErrorCode::kTooMany);
   ASSERT_TRUE(sessions_.end(mine.session_id));
   EXPECT_EQ(links.follow(std::string(64, '3')).error().code, ErrorCode::kNotFound);
-}
-
-/// A worker's heartbeat, run as renderd runs it; the sessions that it is told to end.
-class HeartbeatTest : public SessionsTest {
- protected:
-  using Live = std::vector<std::pair<std::string, std::string>>;  // session id, placement
-  std::vector<std::string> beat(const std::string& worker, const std::string& incarnation,
-                                const Live& live) {
-    std::ifstream file(HEARTBEAT_LUA);
-    const std::string source((std::istreambuf_iterator<char>(file)), {});
-    const std::string hash = "diaphane:worker:" + worker, entries = hash + ":sessions";
-    Arguments words{"EVAL",
-                    source,
-                    "3",
-                    "diaphane:workers",
-                    hash,
-                    entries,
-                    worker,
-                    incarnation,
-                    "host:1",
-                    "cpu",
-                    "test",
-                    "2",
-                    "0",
-                    "0.5",
-                    "0.4",
-                    "",
-                    "diaphane:session:"};
-    for (const auto& [id, placement] : live) words.insert(words.end(), {id, placement});
-    const Result<Reply> reply = client_->command(words);
-    EXPECT_TRUE(reply) << reply.error().message;
-    std::vector<std::string> ended;
-    for (const Reply& id : reply->list) {
-      if (id.text.empty()) break;  // sessions that Redis does not know follow
-      ended.push_back(id.text);
-    }
-    return ended;
-  }
-};
-
-TEST_F(HeartbeatTest, ABeatingWorkerIsPlacedOnAndItsLiveSessionsHoldTheirSlots) {
-  beat("a", "one", {});
-  const PlaceRequest first = request(), second = request();
-  ASSERT_TRUE(sessions_.place(first));
-  ASSERT_TRUE(sessions_.place(second));
-  EXPECT_TRUE(beat("a", "one", {{first.session_id, "1"}, {second.session_id, "1"}}).empty());
-  EXPECT_EQ(sessions_.place(request()).error().code, ErrorCode::kUnavailable);
-  EXPECT_TRUE(beat("a", "one", {{first.session_id, "1"}}).empty());
-  EXPECT_TRUE(sessions_.place(request())) << "a session that the worker ended frees its slot";
-}
-
-TEST_F(HeartbeatTest, WhatAWorkerExpectsIsOfTheSessionsThatItHasHeardOf) {
-  beat("a", "one", {});
-  const PlaceRequest first = request();
-  ASSERT_TRUE(sessions_.place(first));
-  const auto field = [&](const std::string& name) {
-    return client_->command({"HGET", "diaphane:worker:a", name})->text;
-  };
-  EXPECT_EQ(field("expected"), "0.4");
-  EXPECT_EQ(field("sessions"), "0") << "not counted twice: its reservation is not in `expected`";
-  beat("a", "one", {{first.session_id, "1"}});
-  EXPECT_EQ(field("sessions"), "1");
-}
-
-TEST_F(HeartbeatTest, ASessionThatWasEndedOrMovedIsEndedByItsWorker) {
-  beat("a", "one", {});
-  const PlaceRequest ended = request(), moved = request();
-  ASSERT_TRUE(sessions_.place(ended));
-  ASSERT_TRUE(sessions_.place(moved));
-  const HeartbeatTest::Live live{{ended.session_id, "1"}, {moved.session_id, "1"}};
-  EXPECT_TRUE(beat("a", "one", live).empty());
-  ASSERT_TRUE(sessions_.end(ended.session_id));
-  ASSERT_TRUE(*sessions_.lost("a", "one"));
-  beat("b", "one", {});
-  ASSERT_EQ(sessions_.place(moved)->worker_id, "b");
-  EXPECT_THAT(beat("a", "one", live),
-              testing::UnorderedElementsAre(ended.session_id, moved.session_id));
-  EXPECT_EQ(used("a"), 0);
-}
-
-TEST_F(HeartbeatTest, ARestartedWorkerHasNoSessions) {
-  beat("a", "one", {});
-  const PlaceRequest once = request();
-  ASSERT_TRUE(sessions_.place(once));
-  beat("a", "two", {});
-  EXPECT_EQ(used("a"), 0);
-  EXPECT_EQ(sessions_.place(once)->placement, 2u);
 }
 
 }  // namespace

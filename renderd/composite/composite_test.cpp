@@ -253,19 +253,17 @@ TEST(CompositeEngine, DevicesOfOneProcessRenderOnePictureAndComeToRestWithIt) {
   for (const Division division : {Division::kAverage, Division::kTiles}) {
     std::vector<std::unique_ptr<Engine>> devices;
     for (int i = 0; i < 3; ++i) devices.push_back(make_cpu_engine(1));
-    const auto engine = make_composite_engine(std::move(devices), nullptr, {.division = division});
+    // However slow the machine is: who is late for the first picture loses its share of it.
+    const auto engine = make_composite_engine(
+        std::move(devices), nullptr, {.division = division, .patience = std::chrono::hours(1)});
     EXPECT_EQ(engine->info().device.substr(0, 4), "3 x ");
     const auto volume = *engine->load(test::skull_volume());
     const auto renderer = *engine->renderer(volume, 7, 0);
     ASSERT_TRUE(renderer->set_scene(test::skull_scene(), kCanvas));
-    const auto begin = std::chrono::steady_clock::now();
-    while (renderer->progress().samples < 40 &&
-           std::chrono::steady_clock::now() - begin < std::chrono::seconds(30)) {
+    const auto& report = dynamic_cast<CompositeRenderer&>(*renderer).composite();
+    while (renderer->progress().samples < 40 || report.parts <= 2) {
       ASSERT_TRUE(renderer->render(2, [] { return false; }));
     }
-    ASSERT_GE(renderer->progress().samples, 40u);
-    const auto& report = dynamic_cast<CompositeRenderer&>(*renderer).composite();
-    EXPECT_GT(report.parts, 2u);
     EXPECT_EQ(report.dropped_parts, 0u);
     EXPECT_EQ(report.assistants, 2u);
 
