@@ -111,12 +111,8 @@ bool Controller::wait_for_change(const std::stop_token& stop, nanoseconds least,
   return !stop.stop_requested();
 }
 
-Snapshot Controller::observe() const {
-  return snapshot_of(fleets_->store().all(), workers_->store().all(), pods_->store().all(),
-                     nodes_->store().all(), wall());
-}
-
 void Controller::run_plans(const std::stop_token& stop) {
+  Observer observer(fleets_->store(), workers_->store(), pods_->store(), nodes_->store());
   nanoseconds next = kTelemetry;
   nanoseconds least = kGather;
   while (wait_for_change(stop, least, next)) {
@@ -124,7 +120,7 @@ void Controller::run_plans(const std::stop_token& stop) {
     next = kTelemetry;
     if (!listed() || !leader_->leads()) continue;
     const auto begun = steady_clock::now();
-    Snapshot seen = observe();
+    Snapshot& seen = observer.look(wall());
     seen.world.complete = true;
     book_.fill(seen.world);
     const Plan made =
@@ -203,15 +199,29 @@ void Controller::work(const Snapshot& seen, steady_clock::time_point until) {
   }
 }
 
-std::vector<Draining> Controller::draining(const Snapshot& seen) const {
+std::vector<std::string> Controller::fleet_names() const {
+  std::vector<std::string> names;
+  std::uint64_t seen = 0;
+  fleets_->store().newer(seen, [&](const auto& all) {
+    for (const auto& [name, one] : all) names.push_back(name);
+  });
+  return names;
+}
+
+std::vector<Draining> Controller::draining() const {
   std::vector<Draining> told;
   if (!leader_->leads()) return told;
-  for (const Pod& pod : seen.world.pods) {
-    const auto found = seen.index.find(pod.owner_uid);
-    if (!pod.owned || found == seen.index.end()) continue;
-    const Worker& worker = seen.world.workers[static_cast<std::size_t>(found->second)];
-    if (!worker.drain && !worker.deleted) continue;
-    told.push_back({pod.name, owner_text(worker.fleet, worker.uid, pod.epoch)});
+  std::vector<WorkerObject> leaving;
+  std::uint64_t seen = 0;
+  workers_->store().newer(seen, [&](const auto& all) {
+    for (const auto& [name, one] : all) {
+      if (one.worker.drain || one.worker.deleted) leaving.push_back(one);
+    }
+  });
+  for (const WorkerObject& one : leaving) {
+    const auto pod = pods_->store().find(one.name);  // of its name
+    if (!pod || !pod->pod.owned || pod->pod.owner_uid != one.uid) continue;
+    told.push_back({one.name, owner_text(one.worker.fleet, one.uid, pod->pod.epoch)});
   }
   return told;
 }
@@ -227,10 +237,7 @@ void Controller::run_telemetry(const std::stop_token& stop) {
       redis_answers_ = redis_.answers(milliseconds(500));
       continue;
     }
-    const Snapshot seen = observe();
-    std::vector<std::string> names;
-    for (const Fleet& fleet : seen.world.fleets) names.push_back(fleet.name);
-    const auto answer = ask_fleets(redis_, names, draining(seen));
+    auto answer = ask_fleets(redis_, fleet_names(), draining(), wall);
     if (redis_answers_ != answer.has_value()) {
       log::info(answer ? "redis_connected" : "redis_lost");
     }
@@ -239,8 +246,7 @@ void Controller::run_telemetry(const std::stop_token& stop) {
       book_.missed();
       continue;
     }
-    const Seconds now = wall();
-    book_.note(read_telemetry(*answer, names, now), now);
+    book_.note(*std::move(answer), wall());
     changed();
   }
 }

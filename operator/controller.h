@@ -16,6 +16,7 @@
 #include "operator/kube/leader.h"
 #include "operator/kube/work_queue.h"
 #include "operator/metrics.h"
+#include "operator/observe/snapshot.h"
 #include "operator/observe/telemetry.h"
 
 namespace diaphane::fleet {
@@ -47,8 +48,8 @@ class Controller {
   void carry_out_all(const Plan& plan, const Snapshot& seen);
   void work(const Snapshot& seen, std::chrono::steady_clock::time_point until);
   void run_telemetry(const std::stop_token& stop);
-  Snapshot observe() const;
-  std::vector<Draining> draining(const Snapshot& seen) const;
+  std::vector<std::string> fleet_names() const;
+  std::vector<Draining> draining() const;
   bool wait_for_change(const std::stop_token& stop, std::chrono::nanoseconds least,
                        std::chrono::nanoseconds most);
   kube::Reflector::Options watched(const std::string& path, const char* kind) const;

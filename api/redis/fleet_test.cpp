@@ -4,6 +4,8 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <set>
+#include <sstream>
 
 #include "api/redis/sessions.h"
 #include "api/redis/test_redis_server.h"
@@ -75,17 +77,50 @@ TEST_F(FleetTest, OfHundredsOfWorkersTheOneThatHasTheVolumeIsFound) {
   EXPECT_NE(sessions_.place(request(volume))->worker_id, first->worker_id) << "full";
 }
 
+/// operator/observe/fleets.lua as text.
+std::string fleets_script() {
+  std::ifstream file(FLEETS_LUA);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST_F(FleetTest, ThousandsOfWorkersAreReadPageByPage) {
+  constexpr std::size_t kWorkers = 1000;
+  for (std::size_t i = 0; i < kWorkers; ++i) {
+    const std::string id = "w" + std::to_string(i);
+    announce(id);
+    ASSERT_TRUE(client_->command({"HSET", "diaphane:worker:" + id, "owner", "skull/" + id + "/1"}));
+  }
+  const std::string script = fleets_script();
+  std::set<std::string> owners;
+  std::string cursor = "0";
+  std::size_t pages = 0, longest = 0;
+  do {
+    const auto reply = client_->command({"EVAL", script, "0", cursor, "1", "skull"});
+    ASSERT_TRUE(reply) << reply.error().message;
+    cursor = reply->at(0);
+    std::istringstream lines(reply->at(4));
+    std::size_t count = 0;
+    for (std::string line; std::getline(lines, line); ++count) {
+      owners.insert(line.substr(0, line.find(' ')));
+    }
+    longest = std::max(longest, count);
+    ++pages;
+  } while (cursor != "0" && pages < kWorkers);
+  EXPECT_EQ(owners.size(), kWorkers);
+  EXPECT_GE(pages, 3U);
+  EXPECT_LE(longest, kWorkers / 2) << "who asks for a place waits for so many";
+}
+
 TEST_F(FleetTest, WhoFindsNoPlaceIsCountedByOneFleet) {
   Sessions skull(*client_, {}, "skull");
   const auto asked = request();
   EXPECT_FALSE(skull.place(asked));
   EXPECT_FALSE(skull.place(asked));
   EXPECT_FALSE(skull.place(request()));
-  std::ifstream file(FLEETS_LUA);
-  const std::string source((std::istreambuf_iterator<char>(file)), {});
+  const std::string source = fleets_script();
   const auto refused = [&] {
-    const auto reply = client_->command({"EVAL", source, "0", "2", "heart", "skull"});
-    return reply->list[1].at(0) + " " + reply->list[1].at(1);
+    const auto reply = client_->command({"EVAL", source, "0", "0", "2", "heart", "skull"});
+    return reply->list[2].at(0) + " " + reply->list[2].at(1);
   };
   EXPECT_EQ(refused(), "0 2");
   EXPECT_FALSE(sessions_.place(request())) << "of an api that names no fleet";

@@ -75,7 +75,8 @@ class Reflector {
 };
 
 /// A reflector and the store that it fills. `read` makes a T of an object; nothing: not of
-/// interest.
+/// interest. `changed` is called when there is anything to think about: not for what a write of our
+/// own has told before its watch did, nor where but a version is another (a node's heartbeat).
 template <typename T>
 class Informer final : private Reflector::Sink {
  public:
@@ -91,7 +92,8 @@ class Informer final : private Reflector::Sink {
   const Reflector& reflector() const { return reflector_; }
   /// The answer to a write of ours.
   void wrote(const nlohmann::json& object) {
-    if (auto one = read_(object)) store_.wrote(std::move(*one));
+    auto one = read_(object);
+    if (one && store_.wrote(std::move(*one))) changed_();
   }
 
  private:
@@ -108,12 +110,9 @@ class Informer final : private Reflector::Sink {
     const std::string version = version_of(event.object);
     if (event.type == WatchEvent::Type::kBookmark) return store_.bookmark(version);
     auto one = event.type == WatchEvent::Type::kDeleted ? std::nullopt : read_(event.object);
-    if (one) {
-      store_.changed(std::move(*one));
-    } else {
-      store_.deleted(key_of(event.object, reflector_.home()), version);
-    }
-    changed_();
+    const bool news = one ? store_.changed(std::move(*one))
+                          : store_.deleted(key_of(event.object, reflector_.home()), version);
+    if (news) changed_();
   }
 
   Read read_;

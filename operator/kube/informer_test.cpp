@@ -12,6 +12,7 @@ using nlohmann::json;
 struct Thing {
   std::string name, uid, version;
 };
+bool alike(const Thing& a, const Thing& b) { return a.name == b.name && a.uid == b.uid; }
 
 json thing(const std::string& name, const std::string& version) {
   return {{"metadata", {{"name", name}, {"uid", "u-" + name}, {"resourceVersion", version}}}};
@@ -42,6 +43,7 @@ class InformerTest : public testing::Test {
         },
         [this] {
           const std::lock_guard lock(mutex_);
+          ++told_;
           changed_.notify_all();
         });
   }
@@ -68,6 +70,7 @@ class InformerTest : public testing::Test {
   std::chrono::milliseconds silence_{75'000};
   std::mutex mutex_;
   std::condition_variable changed_;
+  int told_ = 0;  // that something changed
   std::unique_ptr<Informer<Thing>> informer_;
 };
 
@@ -84,6 +87,21 @@ TEST_F(InformerTest, ListsPageByPageAndWatchesFromThere) {
   EXPECT_NE(asked[1].query.find("continue=to%2Fken%3D"), std::string::npos);
   EXPECT_NE(asked[2].query.find("resourceVersion=5"), std::string::npos);
   EXPECT_NE(asked[2].query.find("allowWatchBookmarks=true"), std::string::npos);
+}
+
+TEST_F(InformerTest, AnOwnWriteIsNewsAtOnceAndItsEchoIsNone) {
+  transport_.put({200, list_of({thing("a", "3")}, "5")});
+  start();
+  ASSERT_TRUE(wait_until([&] { return told_ == 1; }));
+  informer_->wrote(thing("b", "6"));
+  EXPECT_EQ(told_, 2);
+  transport_.put({200,
+                  event("ADDED", thing("b", "6")) + event("MODIFIED", thing("a", "7")) +
+                      event("DELETED", thing("b", "8")),
+                  true});
+  ASSERT_TRUE(wait_until([&] { return names() == "a7 "; })) << names();
+  ASSERT_TRUE(wait_until([&] { return told_ == 3; }));
+  EXPECT_EQ(told_, 3) << "b came and went; of a but the version is another";
 }
 
 TEST_F(InformerTest, ABrokenWatchGoesOnFromItsLastBookmark) {

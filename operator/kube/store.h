@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -11,8 +12,8 @@
 
 namespace diaphane::kube {
 
-/// What a watched kind looks like now, as far as it was told. `T` has `name`, `uid` and `version`.
-/// Thread-safe.
+/// What a watched kind looks like now, as far as it was told. `T` has `name`, `uid` and `version`,
+/// and `alike(a, b)` says whether two of it differ in nothing but their version. Thread-safe.
 template <typename T>
 class Store {
  public:
@@ -26,16 +27,20 @@ class Store {
     }
     version_ = std::move(version);
     listed_ = true;
+    ++revision_;
   }
-  void changed(T object) {
+  /// Each of the three: whether there is anything to think about, or but a version is another.
+  bool changed(T object) {
     const std::lock_guard lock(mutex_);
     version_ = object.version;
-    put(std::move(object));
+    return put(std::move(object));
   }
-  void deleted(const std::string& name, std::string version) {
+  bool deleted(const std::string& name, std::string version) {
     const std::lock_guard lock(mutex_);
-    objects_.erase(name);
     version_ = std::move(version);
+    if (objects_.erase(name) == 0) return false;
+    ++revision_;
+    return true;
   }
   /// Nothing changed up to there.
   void bookmark(std::string version) {
@@ -44,10 +49,21 @@ class Store {
   }
   /// The answer to a write of ours, which the watch tells later. What the watch has gone past it
   /// has told already, and may since have told the end of.
-  void wrote(T object) {
+  bool wrote(T object) {
     const std::lock_guard lock(mutex_);
-    if (!listed_ || compare_versions(object.version, version_) <= 0) return;
-    put(std::move(object));
+    if (!listed_ || compare_versions(object.version, version_) <= 0) return false;
+    return put(std::move(object));
+  }
+
+  /// Hands all of them to `take`, by name, where anything is other than at revision `seen`, which
+  /// becomes that of now.
+  template <typename Take>
+  bool newer(std::uint64_t& seen, const Take& take) const {
+    const std::lock_guard lock(mutex_);
+    if (revision_ == seen) return false;
+    seen = revision_;
+    take(objects_);
+    return true;
   }
 
   std::vector<T> all() const {
@@ -72,19 +88,25 @@ class Store {
   }
 
  private:
-  void put(T object) {
+  bool put(T object) {
     const auto found = objects_.find(object.name);
     if (found == objects_.end()) {
       std::string name = object.name;
       objects_.emplace(std::move(name), std::move(object));
-    } else if (compare_versions(object.version, found->second.version) >= 0) {
-      found->second = std::move(object);
+      ++revision_;
+      return true;
     }
+    if (compare_versions(object.version, found->second.version) <= 0) return false;
+    const bool news = !alike(object, found->second);
+    found->second = std::move(object);
+    ++revision_;
+    return news;
   }
 
   mutable std::mutex mutex_;
   std::map<std::string, T> objects_;
   std::string version_;
+  std::uint64_t revision_ = 1;  ///< of what is here; counts up
   bool listed_ = false;
 };
 

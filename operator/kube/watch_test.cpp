@@ -64,6 +64,7 @@ TEST(Watch, VersionsAreNumbersOfAnyLength) {
 struct Thing {
   std::string name, uid, version;
 };
+bool alike(const Thing& a, const Thing& b) { return a.name == b.name && a.uid == b.uid; }
 
 TEST(Store, AnOwnWriteIsSeenBeforeTheWatchTellsIt) {
   Store<Thing> store;

@@ -1,18 +1,21 @@
--- What the workers of fleets said last, whom to tell that it drains, and how much is asked for (docs/contracts.md).
+-- What the workers of fleets said last, whom to tell that it drains, and how much is asked for (docs/contracts.md): of thousands of workers a page, so
+-- that who asks for a place waits for a page and not for all.
 --
--- ARGV: number of fleets, their names, then worker and owner of each RenderWorker that drains
--- Returns {now ms, {refused in the last seconds by each fleet}, {last used ms of each fleet}, {worker, ...}}, a worker being
---   {owner, ms since its sample, busy, memory, sessions, used, slots, error, draining, idle since ms}.
+-- ARGV: cursor ("0": from the first), number of fleets, their names, then worker and owner of each RenderWorker that drains
+-- Returns {next cursor ("0": that was all), now ms, {refused in the last seconds by each fleet}, {last used ms of each fleet}, workers}: a line each,
+--   "owner, ms since its sample, busy, memory, sessions, used, slots, error, draining, idle since ms" with spaces between. One that comes or goes
+--   meanwhile may be missing, and any may come twice.
 -- The keys of workers are not known beforehand, so none are declared: this wants one Redis, not a Redis Cluster.
 local kDrainMs = 10000
 local kRefusedMs = 5000
+local kPage = 256
 
 local time = redis.call('TIME')
 local now = tonumber(time[1]) * 1000 + math.floor(tonumber(time[2]) / 1000)
 
 -- For the pod of this owner alone: the next of its name is another.
-local count = tonumber(ARGV[1])
-for i = count + 2, #ARGV, 2 do
+local cursor, count = ARGV[1], tonumber(ARGV[2])
+for i = count + 3, #ARGV, 2 do
   redis.call('SET', 'diaphane:worker:' .. ARGV[i] .. ':drain', ARGV[i + 1], 'PX', kDrainMs)
 end
 
@@ -22,20 +25,20 @@ local function refused_of(key)
   return redis.call('ZCARD', key)
 end
 local refused = {}
-for i = 1, count do refused[i] = refused_of('diaphane:fleet:' .. ARGV[i + 1] .. ':refused') end
+for i = 1, count do refused[i] = refused_of('diaphane:fleet:' .. ARGV[i + 2] .. ':refused') end
 if count > 0 then refused[1] = refused[1] + refused_of('diaphane:refused') end
 
 local workers = {}
 local taken = {}
-for _, id in ipairs(redis.call('SMEMBERS', 'diaphane:workers')) do
+local page = redis.call('SSCAN', 'diaphane:workers', cursor, 'COUNT', kPage)
+for _, id in ipairs(page[2]) do
   local w = redis.call('HMGET', 'diaphane:worker:' .. id, 'owner', 'sampled', 'load', 'memory', 'live', 'used',
                        'slots', 'error', 'draining', 'idle_since')
   if w[1] then
     local sessions = 0
     for _ in string.gmatch(w[5] or '', '[^,]+') do sessions = sessions + 1 end
-    workers[#workers + 1] = {w[1], tostring(now - (tonumber(w[2]) or 0)), w[3] or '0', w[4] or '0',
-                             tostring(sessions), w[6] or '0', w[7] or '0', w[8] or '0', w[9] or '0',
-                             w[10] or tostring(now)}
+    workers[#workers + 1] = table.concat({w[1], now - (tonumber(w[2]) or 0), w[3] or '0', w[4] or '0', sessions, w[6] or '0',
+                                          w[7] or '0', w[8] or '0', w[9] or '0', w[10] or now}, ' ')
     local fleet = string.match(w[1], '^[^/]+')
     if fleet then taken[fleet] = (taken[fleet] or 0) + (tonumber(w[6]) or 0) end
   end
@@ -43,14 +46,15 @@ end
 
 -- Kept here, so that the next leader knows it too.
 local last = {}
-for i = 2, count + 1 do
-  local key = 'diaphane:fleet:' .. ARGV[i] .. ':last_used'
-  if refused[i - 1] > 0 or (taken[ARGV[i]] or 0) > 0 then
+for i = 1, count do
+  local fleet = ARGV[i + 2]
+  local key = 'diaphane:fleet:' .. fleet .. ':last_used'
+  if refused[i] > 0 or (taken[fleet] or 0) > 0 then
     redis.call('SET', key, now)
   else
     redis.call('SETNX', key, now)
   end
-  last[#last + 1] = redis.call('GET', key)
+  last[i] = redis.call('GET', key)
 end
 for i = 1, count do refused[i] = tostring(refused[i]) end
-return {tostring(now), refused, last, workers}
+return {page[1], tostring(now), refused, last, table.concat(workers, '\n')}

@@ -154,6 +154,30 @@ bool has_finalizer(const Json& metadata) {
   return all.is_array() && std::find(all.begin(), all.end(), kFinalizer) != all.end();
 }
 
+bool alike(FleetObject a, const FleetObject& b) {
+  a.version = b.version;
+  a.fleet.version = b.fleet.version;
+  if (a.pods && b.pods && *a.pods == *b.pods) a.pods = b.pods;
+  return a == b;
+}
+
+bool alike(WorkerObject a, const WorkerObject& b) {
+  a.version = b.version;
+  a.worker.version = b.worker.version;
+  return a == b;
+}
+
+bool alike(PodObject a, const PodObject& b) {
+  a.version = b.version;
+  a.pod.version = b.pod.version;
+  return a == b;
+}
+
+bool alike(NodeObject a, const NodeObject& b) {
+  a.version = b.version;
+  return a == b;
+}
+
 Template Templates::intern(const std::string& hash, const Json& pods) {
   const std::lock_guard lock(mutex_);
   std::erase_if(known_, [](const auto& one) { return one.second.expired(); });

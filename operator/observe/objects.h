@@ -24,6 +24,7 @@ struct FleetObject {
   std::string name, uid, version;
   Fleet fleet;
   Template pods;  ///< with_slots
+  bool operator==(const FleetObject&) const = default;
 };
 struct WorkerObject {
   std::string name, uid, version;
@@ -31,17 +32,26 @@ struct WorkerObject {
   /// That it was made with: its fleet may have another by now. Nothing where it is not what its
   /// hash says: the API server does not look into it, and somebody may have changed it.
   Template pods;
+  bool operator==(const WorkerObject&) const = default;
 };
 struct PodObject {
   std::string name, uid, version;
   Pod pod;
   bool ours = false;  ///< with our label, or owned by a RenderWorker
   int gpus = 0;       ///< that it holds on `pod.node`, when nobody of ours owns it
+  bool operator==(const PodObject&) const = default;
 };
 struct NodeObject {
   std::string name, uid, version;
   Node node;
+  bool operator==(const NodeObject&) const = default;
 };
+
+/// They differ in nothing but their version.
+bool alike(FleetObject a, const FleetObject& b);
+bool alike(WorkerObject a, const WorkerObject& b);
+bool alike(PodObject a, const PodObject& b);
+bool alike(NodeObject a, const NodeObject& b);
 
 /// The same template is held once, however many workers were made with it. Thread-safe.
 class Templates {

@@ -2,34 +2,54 @@
 
 namespace diaphane::fleet {
 
-Snapshot snapshot_of(const std::vector<FleetObject>& fleets,
-                     const std::vector<WorkerObject>& workers, const std::vector<PodObject>& pods,
-                     const std::vector<NodeObject>& nodes, Seconds now) {
-  Snapshot snapshot;
-  World& world = snapshot.world;
+Snapshot& Observer::look(Seconds now) {
+  World& world = snapshot_.world;
   world.now = now;
-  for (const FleetObject& one : fleets) {
-    world.fleets.push_back(one.fleet);
-    snapshot.pods_of.emplace(one.uid, one.pods);
+  const bool fleets = fleets_.newer(seen_.fleets, [&](const auto& all) {
+    world.fleets.clear();
+    for (const auto& [uid, pods] : of_fleets_) snapshot_.pods_of.erase(uid);
+    of_fleets_.clear();
+    for (const auto& [name, one] : all) {
+      world.fleets.push_back(one.fleet);
+      of_fleets_.emplace(one.uid, one.pods);
+    }
+  });
+  const bool workers = workers_.newer(seen_.workers, [&](const auto& all) {
+    world.workers.clear();
+    world.workers.reserve(all.size());
+    snapshot_.index.clear();
+    snapshot_.pods_of.clear();
+    for (const auto& [name, one] : all) {
+      snapshot_.index.emplace(one.uid, static_cast<int>(world.workers.size()));
+      snapshot_.pods_of.emplace(one.uid, one.pods);
+      world.workers.push_back(one.worker);
+    }
+  });
+  if (fleets || workers) {
+    for (const auto& [uid, pods] : of_fleets_) snapshot_.pods_of.insert_or_assign(uid, pods);
   }
-  for (const WorkerObject& one : workers) {
-    snapshot.index.emplace(one.uid, static_cast<int>(world.workers.size()));
-    world.workers.push_back(one.worker);
-    snapshot.pods_of.emplace(one.uid, one.pods);
+  const bool nodes = nodes_.newer(seen_.nodes, [&](const auto& all) {
+    world.nodes.clear();
+    world.nodes.reserve(all.size());
+    for (const auto& [name, one] : all) world.nodes.push_back(one.node);
+  });
+  const bool pods = pods_.newer(seen_.pods, [&](const auto& all) {
+    world.pods.clear();
+    foreign_.clear();
+    for (const auto& [name, one] : all) {
+      if (one.ours) world.pods.push_back(one.pod);
+      if (one.gpus > 0) foreign_[one.pod.node] += one.gpus;
+    }
+  });
+  if (nodes || pods) weigh_foreign();
+  return snapshot_;
+}
+
+void Observer::weigh_foreign() {
+  for (Node& node : snapshot_.world.nodes) {
+    const auto found = foreign_.find(node.name);
+    node.foreign_gpus = found == foreign_.end() ? 0 : found->second;
   }
-  std::unordered_map<std::string_view, Node*> by_name;
-  world.nodes.reserve(nodes.size());
-  for (const NodeObject& one : nodes) {
-    world.nodes.push_back(one.node);
-    by_name.emplace(one.node.name, &world.nodes.back());
-  }
-  for (const PodObject& one : pods) {
-    if (one.ours) world.pods.push_back(one.pod);
-    if (one.gpus == 0) continue;
-    const auto at = by_name.find(one.pod.node);
-    if (at != by_name.end()) at->second->foreign_gpus += one.gpus;
-  }
-  return snapshot;
 }
 
 }  // namespace diaphane::fleet

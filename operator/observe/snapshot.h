@@ -2,6 +2,7 @@
 
 #include <unordered_map>
 
+#include "operator/kube/store.h"
 #include "operator/observe/objects.h"
 
 namespace diaphane::fleet {
@@ -13,8 +14,30 @@ struct Snapshot {
   std::unordered_map<std::string, int> index;         ///< uid of a RenderWorker in world.workers
 };
 
-Snapshot snapshot_of(const std::vector<FleetObject>& fleets,
-                     const std::vector<WorkerObject>& workers, const std::vector<PodObject>& pods,
-                     const std::vector<NodeObject>& nodes, Seconds now);
+/// A snapshot that is brought up to date by the kinds that changed: of thousands of workers none is
+/// copied while nothing happens. Of one thread; the stores outlive it.
+class Observer {
+ public:
+  Observer(const kube::Store<FleetObject>& fleets, const kube::Store<WorkerObject>& workers,
+           const kube::Store<PodObject>& pods, const kube::Store<NodeObject>& nodes)
+      : fleets_(fleets), workers_(workers), pods_(pods), nodes_(nodes) {}
+
+  /// As it is now. What is of Redis in its world is left as it was.
+  Snapshot& look(Seconds now);
+
+ private:
+  void weigh_foreign();
+
+  const kube::Store<FleetObject>& fleets_;
+  const kube::Store<WorkerObject>& workers_;
+  const kube::Store<PodObject>& pods_;
+  const kube::Store<NodeObject>& nodes_;
+  struct Seen {
+    std::uint64_t fleets = 0, workers = 0, pods = 0, nodes = 0;  ///< revisions
+  } seen_;
+  std::unordered_map<std::string, Template> of_fleets_;  ///< their part of pods_of
+  std::unordered_map<std::string, int> foreign_;  ///< GPUs of pods that are not ours, by node
+  Snapshot snapshot_;
+};
 
 }  // namespace diaphane::fleet

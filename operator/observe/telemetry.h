@@ -1,8 +1,13 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -23,10 +28,22 @@ struct Draining {
   std::string owner;  ///< owner_text of its pod
 };
 
-/// Of Redis's answer (observe/fleets.lua); `now` is our own time, at which it came: ages alone are
-/// taken from Redis's clock.
-Reading read_telemetry(const api::redis::Reply& reply, const std::vector<std::string>& fleets,
-                       Seconds now);
+/// Of Redis's answers (observe/fleets.lua), page by page. Whose line makes no sense is left out.
+class TelemetryReader {
+ public:
+  explicit TelemetryReader(const std::vector<std::string>& fleets);
+  /// `now` is our own time, at which it came: ages alone are taken from Redis's clock. The cursor
+  /// of the next page; kFirstPage: there is none. Nothing where the answer is not one.
+  std::optional<std::string> add(const api::redis::Reply& page, Seconds now);
+  Reading take() { return std::move(reading_); }
+
+ private:
+  void add_worker(std::string_view line, double theirs, Seconds now);
+
+  Reading reading_;
+  std::unordered_set<std::string> seen_;  ///< owners
+};
+inline constexpr std::string_view kFirstPage = "0";
 
 /// The last sample of each pod, kept when it says no more. Thread-safe.
 class TelemetryBook {
@@ -39,15 +56,15 @@ class TelemetryBook {
 
  private:
   std::mutex mutex_;
-  std::map<std::pair<std::string, std::int64_t>, Telemetry> samples_;  // worker's uid, epoch
+  std::unordered_map<std::string, std::map<std::int64_t, Telemetry>> samples_;  // uid, epoch
   std::vector<Demand> demand_;
   Seconds listening_since_ = 0, listened_until_ = 0;
   bool gap_ = true;
 };
 
-/// One round trip: tells who drains, asks all.
-Result<api::redis::Reply> ask_fleets(api::redis::Client& redis,
-                                     const std::vector<std::string>& fleets,
-                                     const std::vector<Draining>& draining);
+/// Tells who drains, asks all, page by page. `now` says the time.
+Result<Reading> ask_fleets(api::redis::Client& redis, const std::vector<std::string>& fleets,
+                           const std::vector<Draining>& draining,
+                           const std::function<Seconds()>& now);
 
 }  // namespace diaphane::fleet

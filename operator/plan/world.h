@@ -37,6 +37,7 @@ struct Toleration {
   std::string key;     ///< empty: every taint
   std::string value;   ///< empty: every value
   std::string effect;  ///< empty: every effect
+  bool operator==(const Toleration&) const = default;
 };
 
 struct FleetSpec {
@@ -52,6 +53,7 @@ struct FleetSpec {
   Labels node_selector;
   std::vector<Toleration> tolerations;
   std::string template_hash;  ///< of the pod template
+  bool operator==(const FleetSpec&) const = default;
 };
 
 /// A node that did not take a worker, and is not asked again for a while.
@@ -72,6 +74,7 @@ struct FleetStatus {
   std::vector<Refusal> refusals;      ///< by node name
   std::vector<Condition> conditions;  ///< each type once
   Seconds written = 0;
+  bool operator==(const FleetStatus&) const = default;
 };
 
 /// RenderFleet. `version` is the resourceVersion, here and below.
@@ -82,6 +85,7 @@ struct Fleet {
   bool finalizer = false;
   FleetSpec spec;
   FleetStatus status;
+  bool operator==(const Fleet&) const = default;
 };
 
 enum class DrainReason {
@@ -126,6 +130,7 @@ struct Worker {
   bool finalizer = true;
   bool labelled = true;  ///< labels and owner are as they were made
   WorkerStatus status;
+  bool operator==(const Worker&) const = default;
 };
 
 enum class Phase { kPending, kRunning, kSucceeded, kFailed, kUnknown };
@@ -143,10 +148,12 @@ struct Pod {
   Seconds created = 0;
   std::optional<Seconds> unschedulable;  ///< since when the scheduler says so
   std::optional<Seconds> terminating;    ///< deletionTimestamp
+  bool operator==(const Pod&) const = default;
 };
 
 struct Taint {
   std::string key, value, effect;
+  bool operator==(const Taint&) const = default;
 };
 
 struct Node {
@@ -157,6 +164,7 @@ struct Node {
   std::vector<Taint> taints;
   bool cordoned = false;
   bool ready = true;
+  bool operator==(const Node&) const = default;
 };
 
 /// The last sample that a pod pushed; it stays until there is another.

@@ -132,8 +132,9 @@ def place(workers: int, rate: float, seconds: float, slots: int = 16, filled: fl
 
         def operator() -> None:
             while not over.wait(1):
-                began = time.monotonic()
-                look(args=["1", "skull"])
+                began, cursor = time.monotonic(), "0"
+                while (cursor := look(args=[cursor, "1", "skull"])[0]) != "0":
+                    pass
                 looks.append(time.monotonic() - began)
         looker = threading.Thread(target=operator, daemon=True)
         looker.start()
@@ -251,6 +252,22 @@ def cpu_s(pid: int) -> float:
     return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def _written(operator) -> float:
+    """Actions that it has carried out."""
+    lines = [line for line in operator.metrics().splitlines() if line.startswith("diaphane_operator_actions_total{")]
+    return sum(float(line.rpartition(" ")[2]) for line in lines)
+
+
+def settle(operator, most_s: float = 300, quiet_s: float = 10) -> float:
+    """Seconds until it had nothing to write for `quiet_s`: who counts ready workers by their heartbeats is ready before each one's status says so."""
+    began, last, since = time.monotonic(), -1.0, time.monotonic()
+    while time.monotonic() - began < most_s and time.monotonic() - since < quiet_s:
+        time.sleep(0.5)
+        if (now := _written(operator)) != last:
+            last, since = now, time.monotonic()
+    return since - began
+
+
 def fill(nodes: int, most_s: float, idle_s: float) -> dict:
     """A fleet that wants every GPU; then nothing happens; then the operator is started anew and something is to be done at once."""
     with cluster(nodes) as made:
@@ -275,10 +292,12 @@ def fill(nodes: int, most_s: float, idle_s: float) -> dict:
         if reached < wanted:
             # As many as there are is what it has from here on.
             made.plane.kubectl("scale", "rf/skull", f"--replicas={len(made.many.words)}", "-n", made.namespace)
-            time.sleep(20)
+        out["settled_s"] = settle(operator)
+        out["actions"] = _written(operator)
         before, at = cpu_s(pids["operator"]), time.monotonic()
         time.sleep(idle_s)
         out["idle_cpu_share"] = (cpu_s(pids["operator"]) - before) / (time.monotonic() - at)
+        out["actions_while_idle"] = _written(operator) - out["actions"]
         out["rss_idle_mb"] = held(pids["operator"])["memory"]
         out["beats_s"] = statistics.median(made.many.rounds[-20:])
         out |= restart(made, operator)

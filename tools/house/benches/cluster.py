@@ -78,6 +78,7 @@ def filled(found: dict) -> list[Result]:
     over, idle = found["over_committed_nodes"], 100 * found["idle_cpu_share"]
     return [Result(f"workers ready of {found['wanted']}", found["ready"], "", 0, found["wanted"], found["ready"] == found["wanted"]),
             Result("filled within", found["fill_s"], "s"),
+            Result("and nothing to write any more, after", found["settled_s"], "s"),
             Result("nodes with more workers than GPUs", over, "", 0, 0, over == 0),
             Result("operator's memory, idle", found["rss_idle_mb"], "MB", 0, 200, found["rss_idle_mb"] <= 200),
             Result("operator's share of a core, idle", idle, "%", 0, 20, idle <= 20),
