@@ -44,9 +44,9 @@ def namespace(plane: Plane):
     name = f"test-{next(_numbers)}"
     plane.apply({"apiVersion": "v1", "kind": "Namespace", "metadata": {"name": name, "labels": {
         "pod-security.kubernetes.io/enforce": "restricted", "pod-security.kubernetes.io/enforce-version": "latest"}}})
-    wait_for(lambda: plane.kubectl("get", "sa", "default", "-n", name, check=False).code == 0, "the namespace's account")
+    wait_for(lambda: plane.api.get(f"/api/v1/namespaces/{name}/serviceaccounts/default").status_code == 200, "the namespace's account")
     yield name
-    plane.kubectl("delete", "namespace", name, "--wait=false", check=False)
+    plane.api.delete(f"/api/v1/namespaces/{name}")
 
 
 @pytest.fixture

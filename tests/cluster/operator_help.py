@@ -254,6 +254,6 @@ class Cluster:
         # Nobody removes the finalizers any more.
         for kind in ("renderworkers", "renderfleets"):
             for one in self._list(f"{GROUP}/namespaces/{self.namespace}/{kind}"):
-                self.plane.kubectl("patch", kind, one["metadata"]["name"], "-n", self.namespace, "--type=merge",
-                                   "-p", '{"metadata":{"finalizers":null}}', check=False)
-        self.plane.kubectl("delete", "node", "-l", f"pool={self.namespace}", "--wait=false")
+                self.plane.api.patch(f"{GROUP}/namespaces/{self.namespace}/{kind}/{one['metadata']['name']}", json={"metadata": {"finalizers": None}},
+                                     headers={"Content-Type": "application/merge-patch+json"})
+        self.plane.api.delete("/api/v1/nodes", params={"labelSelector": f"pool={self.namespace}"})

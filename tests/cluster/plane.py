@@ -75,6 +75,7 @@ class Plane:
         ports.give_back(given[len(names):])
         self.tokens = {name: secrets.token_hex(16) for name in _USERS}
         self.running: dict[str, Identity] = {}
+        self.resources: dict[tuple[str, str], tuple[str, bool]] = {}
         self.processes: dict[str, subprocess.Popen] = {}
         self.server = f"https://127.0.0.1:{self.ports['kube-apiserver']}"
 
@@ -162,11 +163,27 @@ class Plane:
     def helm(self, *words: str, given: object = None, who: str = "admin", check: bool = True, timeout: float = 240) -> Said:
         return self._run("helm", words, given, who, check, timeout)
 
-    def apply(self, *objects: dict) -> Said:
-        return self.kubectl("apply", "--server-side", "-f", "-", given=list(objects))
+    def apply(self, *objects: dict) -> None:
+        """As `kubectl apply --server-side` does, without a program's start for each."""
+        for one in objects:
+            version, kind, about = one["apiVersion"], one["kind"], one["metadata"]
+            path = f"/apis/{version}" if "/" in version else f"/api/{version}"
+            resource, namespaced = self._resource(path, kind)
+            if namespaced:
+                path += f"/namespaces/{about.get('namespace', 'default')}"
+            deadline = time.monotonic() + 60
+            # One that has just begun says 429 until it has read its store.
+            while (answer := self.api.patch(f"{path}/{resource}/{about['name']}", params={"fieldManager": "kubectl", "fieldValidation": "Strict"},
+                                            headers={"Content-Type": "application/apply-patch+yaml"}, content=json.dumps(one))
+                   ).status_code in (429, 503) and time.monotonic() < deadline:
+                time.sleep(0.2)
+            if answer.is_error:
+                raise PlaneError(f"{kind} {about['name']}: {answer.status_code} {answer.text}")
 
     def service_account_token(self, namespace: str, name: str) -> str:
-        return self.kubectl("create", "token", name, "-n", namespace, "--duration", "2h").out.strip()
+        asked = {"apiVersion": "authentication.k8s.io/v1", "kind": "TokenRequest", "spec": {"expirationSeconds": 7200}}
+        answer = self.api.post(f"/api/v1/namespaces/{namespace}/serviceaccounts/{name}/token", json=asked)
+        return answer.raise_for_status().json()["status"]["token"]
 
     def compact(self) -> int:
         """Forgets all earlier revisions: who watches from one of them is told 410. Returns the revision."""
@@ -188,6 +205,14 @@ class Plane:
         self.kubectl("wait", "--for=condition=Established", "crd", "-l", "app.kubernetes.io/part-of=diaphane", "--timeout=60s")
 
     # Inside
+
+    def _resource(self, path: str, kind: str) -> tuple[str, bool]:
+        """Its name in a path, and whether it belongs to a namespace."""
+        if (path, kind) not in self.resources:
+            for one in self.api.get(path).raise_for_status().json()["resources"]:
+                if "/" not in one["name"]:
+                    self.resources[path, one["kind"]] = (one["name"], one["namespaced"])
+        return self.resources[path, kind]
 
     def _run(self, program: str, words, given: object, who: str, check: bool, timeout: float) -> Said:
         if isinstance(given, list):

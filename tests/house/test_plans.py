@@ -11,7 +11,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
-from house import contracts, datadir, filelint, gpu, linkrules, logfiles, packages, plan, ports, testing, venv  # noqa: E402
+from house import contracts, datadir, filelint, gpu, linkrules, logfiles, packages, paths, plan, ports, testing, venv  # noqa: E402
 from house.layout import Layout  # noqa: E402
 from house.linkrules import PROGRAM, Graph  # noqa: E402
 from house.says import HouseError  # noqa: E402
@@ -211,6 +211,19 @@ def test_pytest_cases_are_counted_by_their_results():
     cases = ElementTree.fromstring(
         "<s><testcase/><testcase><failure/></testcase><testcase><error/></testcase><testcase><skipped/></testcase></s>")
     assert testing.pytest_count(list(cases)) == testing.Count(1, 2, 1)
+
+
+def test_each_of_the_clusters_tests_is_run_in_one_half(monkeypatch, tmp_path):
+    there = {one.name for one in (paths.REPO / "tests" / "cluster").glob("test_*.py")}
+    runs = []
+
+    def pytest_is_asked(folder, reports, *words, only=()):
+        left_out = {Path(word.removeprefix("--ignore=")).name for word in words}
+        runs.append((set(only) or there) - left_out)
+        return testing.Count(1)
+    monkeypatch.setattr(testing, "_pytest", pytest_is_asked)
+    assert testing._cluster(tmp_path) == testing.Count(2)
+    assert sorted(name for run in runs for name in run) == sorted(there)
 
 
 def test_a_part_of_the_clusters_tests_is_run_where_its_control_plane_is_built():

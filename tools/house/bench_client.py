@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import base64
+import functools
+import hashlib
 import re
 import secrets
 import subprocess
@@ -151,6 +152,7 @@ class Viewer:
                 return getattr(message, kind)
 
 
+@functools.cache
 def messages() -> dict[str, type]:
     """Classes of the stream's messages, made from the contract at run time."""
     from google.protobuf import descriptor_pb2, descriptor_pool, message_factory

@@ -34,6 +34,23 @@ def volume_for(_scene: Path) -> str:
     return cranium() or "made:256"
 
 
+def grow(folder: Path) -> int:
+    """A volume of a store twice as large in each direction, of voxels half as large: the same picture of eight times the bytes; so many it has then."""
+    import numpy
+
+    about = json.loads((folder / "volume.json").read_text(encoding="utf-8"))
+    voxels = numpy.fromfile(folder / "voxels.i16", dtype="<i2").reshape(about["size"][::-1])
+    for axis in range(3):
+        voxels = voxels.repeat(2, axis)
+    about["size"] = [2 * one for one in about["size"]]
+    about["spacing"] = [one / 2 for one in about["spacing"]]
+    about["contentHash"] = "blake2b:" + hashlib.blake2b(voxels.data, digest_size=32).hexdigest()
+    # In place: they stay the store's, with its rights.
+    (folder / "voxels.i16").write_bytes(voxels.data)
+    (folder / "volume.json").write_text(json.dumps(about), encoding="utf-8")
+    return voxels.nbytes
+
+
 def store_ball(stack, size: int = 48) -> str:
     """A ball of bone in air in the volume store of a stack, as ingest would have left it; its id. No data set knows of it."""
     name = str(uuid.uuid4())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import concurrent.futures
 import json
 import os
 import shutil
@@ -49,7 +50,7 @@ def suites() -> list[Suite]:
         Suite("integration", "integration", lambda reports: _pytest("integration", reports)),
         Suite("end to end", "e2e", lambda reports: _pytest("e2e", reports)),
         Suite("Kubernetes, a part", CHOSEN, lambda reports: _pytest("cluster", reports, "-m", "chosen")),
-        Suite("Kubernetes", "cluster", lambda reports: _pytest("cluster", reports)),
+        Suite("Kubernetes", "cluster", _cluster),
         Suite("a whole node", "node", _whole_node),
         Suite("GPU", "gpu", lambda reports: _ctest(["-L", "gpu"], reports)),
     ]
@@ -59,6 +60,10 @@ def suites() -> list[Suite]:
 BY_NAME = ("gpu", "cluster", "node")
 #: Of the cluster's tests those that are marked `chosen`: with all others where the control plane is there already.
 CHOSEN = "chosen"
+
+
+#: Of them those that mostly wait, for leases to end and nodes to be given up: run beside all others, each half on a control plane of its own.
+WAITING = ("test_faults.py", "test_operator.py", "test_silence.py", "test_upgrade.py")
 
 
 def is_run(suite: Suite, kind: str | None, plane: bool) -> bool:
@@ -221,18 +226,26 @@ def _whole_node(reports: Path) -> Count:
         return _pytest("cluster/test_whole_node.py", reports, within=whole_node.NAMESPACES, DIAPHANE_WHOLE_NODE=str(place), DIAPHANE_IMAGE=str(archive))
 
 
-def _pytest(folder: str, reports: Path, *selection: str, within: tuple[str, ...] = (), **more: str) -> Count:
-    """Of a folder of tests, or one file of it."""
+def _cluster(reports: Path) -> Count:
+    folder = paths.REPO / "tests" / "cluster"
+    with concurrent.futures.ThreadPoolExecutor(min(2, build.jobs())) as pool:
+        others = pool.submit(_pytest, "cluster", reports, *(f"--ignore={folder / name}" for name in WAITING))
+        waiting = pool.submit(_pytest, "cluster", reports, only=WAITING)
+        return others.result() + waiting.result()
+
+
+def _pytest(folder: str, reports: Path, *selection: str, only: tuple[str, ...] = (), within: tuple[str, ...] = (), **more: str) -> Count:
+    """Of a folder of tests, one file of it, or `only` some."""
     tests = paths.REPO / "tests"
     if not folder.endswith(".py") and not any((tests / folder).glob("test_*.py")):
         return Count()
-    report = reports / f"{Path(folder).stem}.xml"
-    step(f"Running tests/{folder}")
+    report = reports / f"{Path(folder).stem}{'-some' if only else ''}.xml"
+    step(f"Running tests/{folder}{': ' * bool(only)}{', '.join(only)}")
     env = {**build.environment(), "PYTHONDONTWRITEBYTECODE": "1", **more}
     done = subprocess.run(
         [*within, str(paths.VENV_PYTHON), "-m", "pytest",
          "-c", str(tests / "pytest.ini"), "--rootdir", str(tests), "-q", "--durations=5", f"--junitxml={report}",
-         *selection, str(tests / folder)],
+         *selection, *(str(tests / folder / name) for name in only or [""])],
         cwd=tests, env=env, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         errors="replace")
     if done.returncode != 0:
