@@ -22,6 +22,7 @@
 #include "renderd/composite/composite_engine.h"
 #include "renderd/serve/grpc_assistants.h"
 #include "renderd/serve/grpc_server.h"
+#include "renderd/serve/lender.h"
 #include "renderd/serve/registry.h"
 #include "renderd/serve/render_worker.h"
 #include "renderd/serve/watchdog.h"
@@ -57,6 +58,7 @@ struct Settings {
   bool mark_frames = false;
   std::vector<int> devices;
   std::vector<std::string> assist;
+  std::size_t lend = 0;
   std::string owner;
   wire::InnerTls tls;
 };
@@ -87,6 +89,11 @@ void read_devices(ConfigReader& in, Settings& settings) {
   if (settings.devices.empty()) in.mistake("--devices names none");
   settings.assist = split(
       in.text("assist", "other renderd that help with each picture: host:port, with commas", ""));
+  settings.lend = static_cast<std::size_t>(in.integer(
+      "lend",
+      "neighbours on this Redis that are asked to help at most, while sessions ask for more than "
+      "this device has; 0: none",
+      0, 8, 0));
   for (const std::string& address : settings.assist) {
     const auto parsed = wire::parse_redis_address(address);
     if (!parsed || parsed->with_tls) {
@@ -234,8 +241,9 @@ int run(int argc, char** argv) {
   service::StopSignal stop;
 
   std::unique_ptr<GrpcAssistants> assistants;
-  if (!settings.assist.empty())
-    assistants = std::make_unique<GrpcAssistants>(settings.assist, settings.tls);
+  if (!settings.assist.empty() || settings.lend > 0) {
+    assistants = std::make_unique<GrpcAssistants>(settings.assist, settings.tls, settings.lend);
+  }
   auto engine = engine_of(settings, assistants.get());
   if (!engine) {
     std::fprintf(stderr, "--engine: %s\n", engine.error().message.c_str());
@@ -315,8 +323,9 @@ int run(int argc, char** argv) {
   std::atomic<std::uint64_t> turns{1};
   std::atomic<bool> name_taken{false};
   {
+    const std::string incarnation = new_id();
     Registry registry(
-        {settings.redis, settings.worker_id, new_id(), settings.advertise, info.engine, info.device,
+        {settings.redis, settings.worker_id, incarnation, settings.advertise, info.engine, info.device,
          [&] { return worker.runner().busy_seconds(); }, [&] { return worker.volumes().loaded(); },
          [&](const std::string& holder) {
            std::fprintf(stderr, "--worker-id: another renderd of this name lives at %s\n",
@@ -330,8 +339,25 @@ int run(int argc, char** argv) {
          },
          [&] { return worker.runner().summed_error(); },
          // A few each second, so that not all of them come to the others at once.
-         [&](std::size_t room) { worker.host().move_away(std::min<std::size_t>(room, 4)); }},
+         [&](std::size_t room) { worker.host().move_away(std::min<std::size_t>(room, 4)); },
+         [&] { return worker.assists().lent_seconds(); }},
         worker.host(), metrics);
+    Lender::Options lending;
+    lending.redis = settings.redis;
+    lending.worker_id = settings.worker_id;
+    lending.incarnation = incarnation;
+    lending.address = settings.advertise;
+    lending.owner = settings.owner;
+    lending.rules.most = settings.lend;
+    lending.busy_seconds = [&] { return worker.runner().busy_seconds(); };
+    lending.lent_seconds = [&] { return worker.assists().lent_seconds(); };
+    lending.waiting = [&] { return worker.runner().waiting(); };
+    lending.volumes = [&] { return worker.volumes().loaded(); };
+    lending.told = [&](std::size_t borrowed) {
+      metrics.lending(borrowed, worker.assists().used());
+    };
+    std::optional<Lender> lender(std::in_place, std::move(lending), 
+                                 settings.lend > 0 ? assistants.get() : nullptr);
     std::optional<Watchdog> watchdog;
     if (settings.silence.count() > 0) {
       std::vector<Watchdog::Watched> all = watched(worker.runner().signs());
@@ -358,6 +384,7 @@ int run(int argc, char** argv) {
     watchdog_now = nullptr;
     watchdog.reset();  // the drain has a limit of its own
     end_within(milliseconds(3500));
+    lender.reset();
     (*admin)->set_draining();
     (*server)->set_not_serving();
     worker.host().refuse_new();

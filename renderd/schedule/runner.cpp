@@ -189,6 +189,7 @@ std::vector<SessionView> Runner::look() {
   std::vector<SessionView> views;
   views.reserve(tracks_.size());
   std::size_t moving = 0;
+  std::size_t waiting = 0;
   double error = 0;
   for (const auto& track : tracks_) {
     if (track->gone) continue;
@@ -209,12 +210,14 @@ std::vector<SessionView> Runner::look() {
     }
     track->seen.under_way = track->under_way;
     if (track->moving) ++moving;
+    if (gains(track->seen) && !track->client->of_another_worker()) ++waiting;
     // Without a first picture it is wholly wrong.
     if (track->seen.visible) error += std::min(1.0, track->seen.error);
     views.push_back(track->seen);
   }
   error_ = error;
   moving_ = moving;
+  waiting_ = waiting;
   drop_cancelled_stills();
   still_share_ =
       still_share(stills_.empty() ? StillRank::kAwaited : stills_.front()->job.rank, moving);

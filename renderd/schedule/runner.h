@@ -94,6 +94,8 @@ class Runner {
   RunnerTimes times() const;
   /// Of the pictures that somebody sees, each at most 1: how much is still to be rendered.
   double summed_error() const { return error_; }
+  /// Sessions of this worker's own that another sample would gain something for.
+  std::size_t waiting() const { return waiting_; }
   /// Of each quantum and picture under way.
   const Signs& signs() const { return signs_; }
 
@@ -148,6 +150,7 @@ class Runner {
   std::atomic<bool> stopping_{false};
   std::atomic<double> error_{0};
   std::atomic<std::size_t> moving_{0};  // sessions; set by the thread
+  std::atomic<std::size_t> waiting_{0};
   Signs signs_;
 
   // Of the thread alone.

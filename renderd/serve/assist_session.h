@@ -37,6 +37,8 @@ class AssistHost {
   /// Refuses from now on, and ends all.
   void end_all();
   std::size_t used() const;
+  /// That the device worked for others' pictures since the start.
+  double lent_seconds() const { return lent_seconds_; }
 
  private:
   void forget(const std::shared_ptr<Session>& session);
@@ -48,6 +50,7 @@ class AssistHost {
   mutable std::mutex mutex_;
   std::set<std::shared_ptr<Session>> sessions_;
   bool refusing_ = false;
+  std::atomic<double> lent_seconds_{0};
 };
 
 class AssistHost::Session final : public RenderClient,
@@ -63,11 +66,15 @@ class AssistHost::Session final : public RenderClient,
   void end(const Error& why);
 
   // RenderClient
+  bool of_another_worker() const override { return true; }
   Wanted wanted() override;
   std::uint64_t version() const noexcept override { return version_; }
   void began(std::uint64_t, const Wanted&) override {}
   void refused(const Wanted&, const Error&) override {}
-  void rendered(const Batch&) override { send_part(); }
+  void rendered(const Batch& batch) override {
+    host_.lent_seconds_ += batch.seconds;
+    send_part();
+  }
   void picture(RenderedPicture) override { send_part(); }
   void failed(const Error& why) override { end(why); }
 

@@ -6,7 +6,9 @@
 #include <thread>
 
 #include "api/proto/worker.grpc.pb.h"
+#include "common/claimed_port.h"
 #include "renderd/engine/cpu_engine.h"
+#include "renderd/schedule/eventually.h"
 #include "renderd/serve/grpc_assistants.h"
 #include "renderd/serve/grpc_server.h"
 #include "renderd/serve/test_worker.h"
@@ -47,13 +49,13 @@ class Assist : public testing::Test {
  protected:
   static constexpr Canvas kCanvas{96, 80};
 
-  void start(std::size_t helpers, CompositeOptions options) {
+  void start(std::size_t helpers, CompositeOptions options, std::size_t most = 0) {
     std::vector<std::string> addresses;
     for (std::size_t i = 0; i < helpers; ++i) {
       helpers_.push_back(std::make_unique<Helper>(store_.path));
       addresses.push_back(helpers_.back()->address());
     }
-    source_ = std::make_unique<GrpcAssistants>(addresses);
+    source_ = std::make_unique<GrpcAssistants>(addresses, wire::InnerTls{}, most);
     std::vector<std::unique_ptr<Engine>> devices;
     devices.push_back(make_cpu_engine(1));
     engine_ = make_composite_engine(std::move(devices), source_.get(), options);
@@ -165,6 +167,54 @@ TEST_F(Assist, AnAssistantRestsWithThePicture) {
     std::this_thread::sleep_for(10ms);
   }
   EXPECT_EQ(helpers_[0]->worker->assists().used(), 0u);
+}
+
+TEST_F(Assist, AHelperThatIsLentComesInMidPictureAndIsLeftAtOnceWhenGivenBack) {
+  for (const Division division : {Division::kAverage, Division::kTiles}) {
+    start(0, {.division = division}, 1);
+    Helper first(store_.path), second(store_.path);
+    ASSERT_TRUE(until([&] { return renderer_->progress().samples >= 8; }));
+    EXPECT_EQ(report().assistants, 0u);
+
+    source_->borrow({first.address()});
+    ASSERT_TRUE(until([&] { return report().assistants == 1 && report().parts >= 2; }));
+    EXPECT_GT(source_->helped_seconds(), 0);
+    EXPECT_GT(first.worker->assists().lent_seconds(), 0);
+
+    // Nobody renders here meanwhile: it is free all the same.
+    source_->borrow({});
+    EXPECT_TRUE(eventually([&] { return first.worker->assists().used() == 0; }));
+    const auto before = renderer_->progress().samples;
+    ASSERT_TRUE(until([&] { return renderer_->progress().samples >= before + 20; }))
+        << "the picture goes on";
+    EXPECT_EQ(report().assistants, 0u);
+
+    source_->borrow({second.address()});
+    const auto parts = report().parts;
+    ASSERT_TRUE(until([&] { return report().parts >= parts + 2; })) << "another in its place";
+    EXPECT_EQ(first.worker->assists().used(), 0u);
+    ASSERT_TRUE(until([&] { return renderer_->progress().samples >= 80; }));
+    EXPECT_LT(off(), 0.04);
+    renderer_.reset();
+    engine_.reset();
+    source_.reset();
+  }
+}
+
+TEST_F(Assist, AHelperThatRefusesOrIsNotThereIsSaidSoAndAskedNoMore) {
+  start(0, {.division = Division::kAverage}, 2);
+  TestStore empty;
+  Helper without(empty.path), with(store_.path);
+  const ClaimedPort claimed = ClaimedPort::take().value();
+  const std::string nobody = "127.0.0.1:" + std::to_string(claimed.number());
+  for (const std::string& refuses : {without.address(), nobody}) {
+    source_->borrow({refuses, with.address()});
+    EXPECT_TRUE(until([&] { return source_->refusing() == std::vector{refuses}; })) << refuses;
+    ASSERT_TRUE(until([&] { return report().assistants == 1; })) << "the other helps";
+    EXPECT_EQ(without.worker->assists().used(), 0u);
+    source_->borrow({});
+    EXPECT_TRUE(source_->refusing().empty());
+  }
 }
 
 /// What anybody may send, and how the call ends.

@@ -7,8 +7,8 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
-#include <functional>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include "api/proto/worker.grpc.pb.h"
@@ -85,24 +85,70 @@ class Exchange {
 
 }  // namespace
 
-/// A worker, and how many calls to it are under way.
-struct GrpcAssistants::Peer {
+/// A worker, and the calls to it that are under way.
+struct AssistPeer {
   std::string address;
   std::unique_ptr<v1::RenderWorker::Stub> stub;
-  std::mutex mutex;
-  std::condition_variable changed;
-  int calls = 0;
+  /// A call ended before it was ready.
+  std::atomic<bool> refuses{false};
 
-  void began() {
-    const std::lock_guard lock(mutex);
-    ++calls;
+  void began(grpc::ClientContext* call) {
+    const std::lock_guard lock(mutex_);
+    ++calls_;
+    contexts_.insert(call);
+    if (left_) call->TryCancel();
+  }
+  /// The context is about to go.
+  void forget(grpc::ClientContext* call) {
+    const std::lock_guard lock(mutex_);
+    contexts_.erase(call);
   }
   void ended() {
     // Under the lock: the one who waits may destroy this right after.
-    const std::lock_guard lock(mutex);
-    --calls;
-    changed.notify_all();
+    const std::lock_guard lock(mutex_);
+    --calls_;
+    changed_.notify_all();
   }
+  /// Ends all calls, also those that begin later.
+  void leave() {
+    const std::lock_guard lock(mutex_);
+    left_ = true;
+    for (grpc::ClientContext* call : contexts_) call->TryCancel();
+  }
+  /// Left, and no call is under way any more.
+  bool gone() {
+    const std::lock_guard lock(mutex_);
+    return left_ && calls_ == 0;
+  }
+  void await_idle() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return calls_ == 0; });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::set<grpc::ClientContext*> contexts_;
+  int calls_ = 0;
+  bool left_ = false;
+};
+
+/// Where a session's assistant looks whom it stands for.
+struct AssistSlot {
+  bool always = false;  ///< it is one and the same, asked again and again
+
+  std::shared_ptr<AssistPeer> peer() const {
+    const std::lock_guard lock(mutex_);
+    return peer_;
+  }
+  void put(std::shared_ptr<AssistPeer> peer) {
+    const std::lock_guard lock(mutex_);
+    peer_ = std::move(peer);
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::shared_ptr<AssistPeer> peer_;
 };
 
 namespace {
@@ -111,10 +157,10 @@ namespace {
 /// `Call`, which is told.
 class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::AssistReply> {
  public:
-  CallReactor(v1::RenderWorker::Stub& stub, const AssistOrder& order,
-              std::shared_ptr<Exchange> exchange, std::function<void()> over)
-      : exchange_(std::move(exchange)), over_(std::move(over)) {
-    stub.async()->Assist(&context_, this);
+  CallReactor(std::shared_ptr<AssistPeer> peer, const AssistOrder& order,
+              std::shared_ptr<Exchange> exchange)
+      : peer_(std::move(peer)), exchange_(std::move(exchange)) {
+    peer_->stub->async()->Assist(&context_, this);
     // Held while requests may still be written from outside of the reactions.
     AddHold();
     v1::AssistRequest open;
@@ -124,6 +170,7 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
     send(std::move(open));
     StartRead(&reply_);
     StartCall();
+    peer_->began(&context_);
   }
 
   /// A task replaces one that was not sent yet.
@@ -152,7 +199,7 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
       exchange_->broken = true;
       return;
     }
-    if (reply_.has_ready()) exchange_->ready = true;
+    if (reply_.has_ready()) exchange_->ready = was_ready_ = true;
     if (reply_.has_band()) {
       auto part = part_of(reply_.band());
       if (!part) {
@@ -174,11 +221,13 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
     }
     write_next();
   }
-  void OnDone(const grpc::Status&) override {
+  void OnDone(const grpc::Status& status) override {
+    if (!was_ready_ && status.error_code() != grpc::StatusCode::CANCELLED) peer_->refuses = true;
     exchange_->broken = true;
-    const auto over = std::move(over_);
+    const auto peer = std::move(peer_);
+    peer->forget(&context_);
     delete this;
-    over();
+    peer->ended();
   }
 
  private:
@@ -191,8 +240,9 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
   }
 
   grpc::ClientContext context_;
+  std::shared_ptr<AssistPeer> peer_;
   std::shared_ptr<Exchange> exchange_;
-  std::function<void()> over_;
+  bool was_ready_ = false;  ///< of the reactions, one after the other
   v1::AssistReply reply_;
   std::mutex mutex_;
   std::deque<v1::AssistRequest> queue_;
@@ -201,11 +251,14 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
 };
 
 /// Of one session and one worker. All calls come from the session's renderer.
-template <typename Peer>
 class GrpcAssistant final : public Assistant {
  public:
-  GrpcAssistant(std::shared_ptr<Peer> peer, AssistOrder order)
-      : peer_(std::move(peer)), order_(std::move(order)) {
+  GrpcAssistant(std::shared_ptr<const AssistSlot> slot, AssistOrder order,
+                std::shared_ptr<std::atomic<double>> helped_seconds)
+      : slot_(std::move(slot)),
+        order_(std::move(order)),
+        helped_seconds_(std::move(helped_seconds)),
+        peer_(slot_->peer()) {
     connect();
   }
   ~GrpcAssistant() override { disconnect(); }
@@ -219,6 +272,7 @@ class GrpcAssistant final : public Assistant {
     auto next = exchange_->take();
     if (!next) return std::nullopt;
     measure(next->first.bytes);
+    *helped_seconds_ += std::max(next->first.seconds, 0.0);
     if (next->second && call_ != nullptr) {
       v1::AssistRequest request;
       request.mutable_taken()->set_samples(news.samples);
@@ -230,10 +284,18 @@ class GrpcAssistant final : public Assistant {
   }
 
   bool lost() override {
+    if (auto peer = slot_->peer(); peer != peer_) {
+      disconnect();
+      peer_ = std::move(peer);
+      connect();
+      return true;
+    }
+    if (!peer_) return true;
     if (!exchange_->broken) return !exchange_->ready;
     if (exchange_->ready.exchange(false)) {
       log::warning("assistant_lost", {{"address", peer_->address}});
     }
+    if (!slot_->always && peer_->refuses) return true;
     if (Clock::now() - tried_ > kRetry) {
       disconnect();
       connect();
@@ -247,8 +309,7 @@ class GrpcAssistant final : public Assistant {
   void connect() {
     tried_ = Clock::now();
     exchange_ = std::make_shared<Exchange>();
-    peer_->began();
-    call_ = new CallReactor(*peer_->stub, order_, exchange_, [peer = peer_] { peer->ended(); });
+    if (peer_) call_ = new CallReactor(peer_, order_, exchange_);
   }
   void disconnect() {
     if (auto* call = std::exchange(call_, nullptr)) call->leave();
@@ -269,8 +330,10 @@ class GrpcAssistant final : public Assistant {
     }
   }
 
-  const std::shared_ptr<Peer> peer_;
+  const std::shared_ptr<const AssistSlot> slot_;
   const AssistOrder order_;
+  const std::shared_ptr<std::atomic<double>> helped_seconds_;
+  std::shared_ptr<AssistPeer> peer_;  ///< null: it stands for nobody
   std::shared_ptr<Exchange> exchange_;
   CallReactor* call_ = nullptr;
   Clock::time_point tried_{};
@@ -281,34 +344,84 @@ class GrpcAssistant final : public Assistant {
 
 }  // namespace
 
-GrpcAssistants::GrpcAssistants(std::vector<std::string> addresses, const wire::InnerTls& tls) {
-  const auto credentials = wire::channel_credentials(tls);
+GrpcAssistants::GrpcAssistants(std::vector<std::string> addresses, const wire::InnerTls& tls,
+                               std::size_t most)
+    : tls_(tls) {
+  for (const std::string& address : addresses) {
+    peers_.push_back(open(address));
+    fixed_.push_back(std::make_shared<AssistSlot>());
+    fixed_.back()->always = true;
+    fixed_.back()->put(peers_.back());
+  }
+  for (std::size_t i = 0; i < most; ++i) coming_.push_back(std::make_shared<AssistSlot>());
+}
+
+GrpcAssistants::~GrpcAssistants() {
+  for (const auto& peer : peers_) peer->await_idle();
+}
+
+std::shared_ptr<AssistPeer> GrpcAssistants::open(const std::string& address) const {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMostMessageBytes);
   // A worker that vanished without a word is noticed within 5 s, and looked for again each second.
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);
-  for (std::string& address : addresses) {
-    auto peer = std::make_shared<Peer>();
-    peer->stub =
-        v1::RenderWorker::NewStub(wire::open_channel(address, tls, credentials, arguments));
-    peer->address = std::move(address);
-    peers_.push_back(std::move(peer));
-  }
-}
-
-GrpcAssistants::~GrpcAssistants() {
-  for (const auto& peer : peers_) {
-    std::unique_lock lock(peer->mutex);
-    peer->changed.wait(lock, [&] { return peer->calls == 0; });
-  }
+  auto peer = std::make_shared<AssistPeer>();
+  peer->stub = v1::RenderWorker::NewStub(
+      wire::open_channel(address, tls_, wire::channel_credentials(tls_), arguments));
+  peer->address = address;
+  return peer;
 }
 
 std::vector<std::unique_ptr<Assistant>> GrpcAssistants::assistants(const AssistOrder& order) {
   std::vector<std::unique_ptr<Assistant>> all;
-  for (const auto& peer : peers_) {
-    all.push_back(std::make_unique<GrpcAssistant<Peer>>(peer, order));
+  for (const auto* slots : {&fixed_, &coming_}) {
+    for (const auto& slot : *slots) {
+      all.push_back(std::make_unique<GrpcAssistant>(slot, order, helped_seconds_));
+    }
+  }
+  return all;
+}
+
+void GrpcAssistants::borrow(const std::vector<std::string>& addresses) {
+  const std::lock_guard lock(mutex_);
+  const auto wanted = [&](const AssistPeer& peer) {
+    return std::find(addresses.begin(), addresses.end(), peer.address) != addresses.end();
+  };
+  for (const auto& slot : coming_) {
+    const auto peer = slot->peer();
+    if (!peer || wanted(*peer)) continue;
+    slot->put(nullptr);
+    peer->leave();
+  }
+  for (const std::string& address : addresses) {
+    const auto has = [&](const auto& slot) {
+      const auto peer = slot->peer();
+      return peer && peer->address == address;
+    };
+    if (std::any_of(coming_.begin(), coming_.end(), has)) continue;
+    const auto free = std::find_if(coming_.begin(), coming_.end(),
+                                   [](const auto& slot) { return !slot->peer(); });
+    if (free == coming_.end()) break;
+    peers_.push_back(open(address));
+    (*free)->put(peers_.back());
+  }
+  std::erase_if(peers_, [&](const auto& peer) { return peer->gone(); });
+}
+
+std::vector<std::string> GrpcAssistants::borrowed() const {
+  std::vector<std::string> all;
+  for (const auto& slot : coming_) {
+    if (const auto peer = slot->peer()) all.push_back(peer->address);
+  }
+  return all;
+}
+
+std::vector<std::string> GrpcAssistants::refusing() const {
+  std::vector<std::string> all;
+  for (const auto& slot : coming_) {
+    if (const auto peer = slot->peer(); peer && peer->refuses) all.push_back(peer->address);
   }
   return all;
 }

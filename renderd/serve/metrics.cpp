@@ -31,6 +31,10 @@ prometheus::Histogram& latency(prometheus::Registry& registry, const char* name,
 struct Metrics::Impl {
   explicit Impl(prometheus::Registry& r)
       : sessions(gauge(r, "diaphane_renderd_sessions", "Sessions with a film on this device.")),
+        borrowed(gauge(r, "diaphane_renderd_helpers",
+                       "Workers that are asked to help with this one's pictures.")),
+        helped(gauge(r, "diaphane_renderd_helped_pictures",
+                     "Pictures of other workers that this one helps with.")),
         samples(counter(r, "diaphane_renderd_samples_total", "Samples per pixel rendered.")),
         render_seconds(
             counter(r, "diaphane_renderd_render_seconds_total", "Time spent rendering.")),
@@ -65,6 +69,8 @@ struct Metrics::Impl {
                            .Register(r)) {}
 
   prometheus::Gauge& sessions;
+  prometheus::Gauge& borrowed;
+  prometheus::Gauge& helped;
   prometheus::Counter& samples;
   prometheus::Counter& render_seconds;
   prometheus::Counter& dropped;
@@ -88,6 +94,10 @@ Metrics::Metrics(prometheus::Registry& registry) : impl_(std::make_unique<Impl>(
 Metrics::~Metrics() = default;
 
 void Metrics::sessions(std::size_t live) { impl_->sessions.Set(static_cast<double>(live)); }
+void Metrics::lending(std::size_t borrowed, std::size_t helped) {
+  impl_->borrowed.Set(static_cast<double>(borrowed));
+  impl_->helped.Set(static_cast<double>(helped));
+}
 void Metrics::rendered(std::uint32_t samples, double seconds, std::uint64_t dropped) {
   impl_->samples.Increment(samples);
   impl_->render_seconds.Increment(seconds);

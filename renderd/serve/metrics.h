@@ -21,6 +21,8 @@ class Metrics {
   ~Metrics();
 
   void sessions(std::size_t live);
+  /// Workers that were asked to help with this one's pictures; pictures of others helped with.
+  void lending(std::size_t borrowed, std::size_t helped);
   void rendered(std::uint32_t samples, double seconds, std::uint64_t dropped);
   void encoded(double seconds);
   void frame_sent(std::size_t bytes);

@@ -116,10 +116,13 @@ Registry::Loads Registry::loads(const std::vector<SessionHost::Live>& live) {
   const double busy = until_now - busy_before_;
   busy_before_ = until_now;
   load_since_ = now;
+  const double lent_until_now = options_.lent_seconds ? options_.lent_seconds() : 0;
+  const double lent = std::clamp(lent_until_now - lent_before_, 0.0, std::max(0.0, busy));
+  lent_before_ = lent_until_now;
   std::vector<ExpectedLoad::Seen> seen;
   for (const SessionHost::Live& one : live) seen.push_back({one.id, one.device_seconds});
   return {.busy = seconds > 0 ? std::clamp(busy / seconds, 0.0, 1.0) : 0,
-          .expected = expected_.after(seconds, busy, seen, host_.slots())};
+          .expected = expected_.after(seconds, busy - lent, seen, host_.slots())};
 }
 
 bool Registry::heartbeat() {

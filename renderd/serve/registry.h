@@ -39,6 +39,9 @@ class Registry {
     /// Called each second while an operator wants this worker to drain, from the registry's thread:
     /// `room` sessions find a place elsewhere.
     std::function<void(std::size_t room)> told_to_drain;
+    /// Of `busy_seconds`, for other workers' pictures: given back when somebody comes here, so
+    /// nothing that a session is placed by. May be empty.
+    std::function<double()> lent_seconds;
   };
 
   Registry(Options options, SessionHost& host, Metrics& metrics);
@@ -81,7 +84,7 @@ class Registry {
   bool drain_told_ = false;
 
   // Of the thread alone.
-  double busy_before_ = 0;
+  double busy_before_ = 0, lent_before_ = 0;
   ExpectedLoad expected_;
   std::chrono::steady_clock::time_point load_since_;
   std::optional<std::chrono::steady_clock::time_point> refused_since_;

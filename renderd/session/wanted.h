@@ -56,6 +56,8 @@ struct RenderedPicture {
 class RenderClient {
  public:
   virtual ~RenderClient() = default;
+  /// It is another worker's picture that is helped with.
+  virtual bool of_another_worker() const { return false; }
   /// Also takes note that `picture_again` was read: the runner acts on it at once.
   virtual Wanted wanted() = 0;
   /// Wanted::version without a lock: polled while rendering.

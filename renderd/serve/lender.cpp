@@ -1,0 +1,167 @@
+#include "renderd/serve/lender.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+#include <utility>
+
+#include "common/log.h"
+#include "renderd/serve/lend.lua.h"
+
+namespace diaphane::render {
+namespace {
+
+constexpr std::size_t kAtRandom = 16;
+constexpr std::size_t kFields = 7;  // of lend.lua's answer
+constexpr std::chrono::milliseconds kSample{100};
+constexpr std::chrono::seconds kRefusalLasts{30};
+/// A device that is busy for so much of the time is so for all of it.
+constexpr double kFull = 0.95;
+
+std::string number(double value) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.3f", value);
+  return text;
+}
+
+std::string host_of(const std::string& address) { return address.substr(0, address.rfind(':')); }
+
+std::string fleet_of(const std::string& owner) {
+  const auto end = owner.find('/');
+  return end == std::string::npos ? "" : owner.substr(0, end);
+}
+
+bool has_any(const std::string& listed, const std::vector<std::string>& wanted) {
+  std::istringstream in(listed);
+  for (std::string word; std::getline(in, word, ',');) {
+    if (std::find(wanted.begin(), wanted.end(), word) != wanted.end()) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Lender::Lender(Options options, GrpcAssistants* helpers)
+    : options_(std::move(options)),
+      helpers_(helpers),
+      redis_(options_.redis),
+      since_(Clock::now()) {
+  thread_ = std::thread([this] { run(); });
+}
+
+Lender::~Lender() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+  if (helpers_ != nullptr) helpers_->borrow({});
+}
+
+void Lender::run() {
+  std::unique_lock lock(mutex_);
+  while (!changed_.wait_for(lock, std::min(kSample, options_.period), [this] { return stopping_; })) {
+    lock.unlock();
+    waited_ += static_cast<double>(options_.waiting());
+    ++looks_;
+    if (Clock::now() - since_ >= options_.period) look();
+    lock.lock();
+  }
+}
+
+Lender::Use Lender::use() {
+  const auto now = Clock::now();
+  Use use;
+  use.seconds = std::chrono::duration<double>(now - std::exchange(since_, now)).count();
+  const auto part = [&](double until_now, double& before) {
+    return std::max(0.0, until_now - std::exchange(before, until_now)) / use.seconds;
+  };
+  const double busy = std::min(1.0, part(options_.busy_seconds(), busy_before_));
+  use.lent = std::min(busy, part(options_.lent_seconds(), lent_before_));
+  if (helpers_ != nullptr) use.helped = part(helpers_->helped_seconds(), helped_before_);
+  const double waiting = waited_ / static_cast<double>(std::max<std::size_t>(1, looks_));
+  waited_ = 0;
+  looks_ = 0;
+  // Each of those who wait would take the device alone; while it is not full they get what they ask
+  // for.
+  use.asked = busy < kFull ? busy - use.lent : std::max(busy - use.lent, waiting);
+  return use;
+}
+
+std::vector<Neighbour> Lender::neighbours(const Use& use) {
+  const bool wants = helpers_ != nullptr && use.asked >= options_.rules.borrows;
+  const bool lends = use.lent > 0;
+  addresses_.clear();
+  if (!wants && !lends && !lent_told_ && lending_.helpers.empty()) return {};
+  std::vector<std::string> arguments{options_.worker_id,
+                                     options_.incarnation,
+                                     number(use.asked),
+                                     lends ? number(use.lent) : "",
+                                     fleet_of(options_.owner),
+                                     std::to_string(wants ? kAtRandom : 0)};
+  for (const Helper& helper : lending_.helpers) arguments.push_back(helper.id);
+  const auto answer = redis_.run(
+      lua::lend, {"diaphane:workers", "diaphane:worker:" + options_.worker_id}, arguments);
+  // Of nobody is known whether he has time left.
+  if (!answer) return {};
+  lent_told_ = lends;
+  const std::vector<std::string> ours = options_.volumes();
+  std::vector<Neighbour> found;
+  for (std::size_t i = 0; i + kFields <= answer->list.size(); i += kFields) {
+    const std::string* one = &answer->list[i];
+    if (avoided_.contains(one[0])) continue;
+    Neighbour neighbour;
+    neighbour.id = one[0];
+    neighbour.load = std::atof(one[2].c_str());
+    neighbour.lent = std::atof(one[3].c_str());
+    neighbour.age = std::atof(one[4].c_str()) / 1000;
+    neighbour.draining = one[5] != "0";
+    neighbour.has_volume = has_any(one[6], ours);
+    neighbour.same_node = host_of(one[1]) == host_of(options_.address);
+    addresses_[one[0]] = one[1];
+    found.push_back(std::move(neighbour));
+  }
+  return found;
+}
+
+void Lender::note_refusals() {
+  const auto now = Clock::now();
+  std::erase_if(avoided_, [&](const auto& one) { return one.second <= now; });
+  for (const std::string& address : helpers_->refusing()) {
+    for (const auto& [id, at] : addresses_) {
+      if (at == address) avoided_[id] = now + kRefusalLasts;
+    }
+  }
+}
+
+void Lender::borrow(const Lending& before) {
+  const auto helps = [](const Lending& lending, const std::string& id) {
+    return std::any_of(lending.helpers.begin(), lending.helpers.end(),
+                       [&](const Helper& helper) { return helper.id == id; });
+  };
+  std::vector<std::string> addresses;
+  for (const Helper& helper : lending_.helpers) {
+    addresses.push_back(addresses_.at(helper.id));
+    if (!helps(before, helper.id)) log::info("helper_asked", {{"worker", helper.id}});
+  }
+  for (const Helper& helper : before.helpers) {
+    if (!helps(lending_, helper.id)) log::info("helper_given_back", {{"worker", helper.id}});
+  }
+  helpers_->borrow(addresses);
+}
+
+void Lender::look() {
+  if (helpers_ != nullptr) note_refusals();
+  const Use now = use();
+  const std::vector<Neighbour> known = neighbours(now);
+  if (helpers_ != nullptr) {
+    const Lending before = lending_;
+    lending_ = lend(lending_, {now.seconds, now.asked, now.helped, known}, options_.rules, random_());
+    borrow(before);
+  }
+  if (options_.told) options_.told(lending_.helpers.size());
+}
+
+}  // namespace diaphane::render

@@ -1,0 +1,189 @@
+// Who is asked to help, by what a real Redis says of the neighbours.
+#include "renderd/serve/lender.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <set>
+
+#include "renderd/serve/test_redis.h"
+
+namespace diaphane::render {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct LenderTest : testing::Test {
+  /// A neighbour as its heartbeat leaves it. It lives until the test ends it.
+  void neighbour(const std::string& id, const std::vector<std::string>& fields = {}) {
+    const std::string key = "diaphane:worker:" + id;
+    std::vector<std::string> words{"HSET",     key, "address", address(id), "load", "0.1",
+                                   "draining", "0", "epoch",   "1"};
+    words.insert(words.end(), fields.begin(), fields.end());
+    redis.ask(words);
+    redis.ask({"PEXPIRE", key, "600000"});
+    redis.ask({"SADD", "diaphane:workers", id});
+  }
+  static std::string address(const std::string& id) { return id + ".test:1"; }
+  std::unique_ptr<Lender> start(GrpcAssistants* asked, const std::string& owner = "") {
+    Lender::Options options;
+    options.redis = redis.address;
+    options.worker_id = "us";
+    options.incarnation = "now";
+    options.address = "us.test:1";
+    options.owner = owner;
+    options.period = 20ms;
+    options.rules.most = 2;
+    options.rules.rest = rest;
+    // All of the device, in the test's own time.
+    options.busy_seconds = [this] { return busy ? seconds() : 0.0; };
+    options.lent_seconds = [this] { return lent ? seconds() : 0.0; };
+    options.waiting = [this] { return waiting.load(); };
+    options.volumes = [] { return std::vector<std::string>{"seen-here"}; };
+    options.told = [this](std::size_t) { ++looks; };
+    return std::make_unique<Lender>(std::move(options), asked);
+  }
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+  std::set<std::string> borrowed() const {
+    const auto all = helpers.borrowed();
+    return {all.begin(), all.end()};
+  }
+  /// Whether `test` comes to hold while the neighbours say the same again and again.
+  bool comes(const std::function<bool()>& test, const std::function<void()>& beat) {
+    return eventually([&] {
+      beat();
+      return test();
+    });
+  }
+  /// After two looks more from now on: what they decide is seen.
+  void look_twice() {
+    const int before = looks;
+    ASSERT_TRUE(eventually([&] { return looks >= before + 2; }));
+  }
+
+  TestRedis redis;
+  const std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+  std::atomic<bool> busy{true}, lent{false};
+  std::atomic<std::size_t> waiting{0};
+  std::atomic<int> looks{0};
+  double rest = 3600;  ///< so that no slow machine looks like a calm device
+  GrpcAssistants helpers{{}, {}, 2};
+};
+
+TEST_F(LenderTest, NeighboursAreAskedWhileSeveralWaitAndGivenBackWhenNobodyDoes) {
+  const auto beat = [&] { neighbour("a"); };
+  beat();
+  rest = 0.1;
+  waiting = 1;
+  const auto lender = start(&helpers);
+  look_twice();
+  EXPECT_TRUE(borrowed().empty()) << "one session alone has the device";
+  waiting = 3;
+  EXPECT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, beat));
+  busy = false;
+  waiting = 0;
+  EXPECT_TRUE(comes([&] { return borrowed().empty(); }, beat));
+}
+
+TEST_F(LenderTest, AHelperThatIsBusyDrainsOrDiesIsGivenBack) {
+  waiting = 2;
+  const auto lender = start(&helpers);
+  const std::vector<std::vector<std::string>> changes{
+      {"load", "0.97"}, {"draining", "1"}, {"asked", "0.95", "lent", "0.05"}};
+  for (const auto& change : changes) {
+    ASSERT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; },
+                      [&] { neighbour("a"); }));
+    EXPECT_TRUE(comes([&] { return borrowed().empty(); }, [&] { neighbour("a", change); }))
+        << change.front();
+    redis.ask({"HDEL", "diaphane:worker:a", "asked", "lent"});
+  }
+  ASSERT_TRUE(
+      comes([&] { return borrowed() == std::set{address("a")}; }, [&] { neighbour("a"); }));
+  redis.ask({"DEL", "diaphane:worker:a"});
+  EXPECT_TRUE(eventually([&] { return borrowed().empty(); }));
+}
+
+TEST_F(LenderTest, WhatAHelperDoesForUsIsNoReasonToGiveItBack) {
+  waiting = 2;
+  const auto lender = start(&helpers);
+  const auto helps = [&] {
+    neighbour("a", {"load", "1", "asked", "0.05", "lent", "0.95"});
+  };
+  ASSERT_TRUE(
+      comes([&] { return borrowed() == std::set{address("a")}; }, [&] { neighbour("a"); }));
+  helps();
+  for (int i = 0; i < 5; ++i) {
+    helps();
+    look_twice();
+    ASSERT_EQ(borrowed(), std::set{address("a")});
+  }
+}
+
+TEST_F(LenderTest, OnlyTheSameFleetIsAskedAndNeverOneself) {
+  waiting = 5;
+  const auto beat = [&] {
+    neighbour("us", {"owner", "ours/uid/1"});
+    neighbour("ours", {"owner", "ours/other/1"});
+    neighbour("others", {"owner", "others/uid/1"});
+    neighbour("nobodys");
+    neighbour("older", {"owner", "ours/old/1", "epoch", "0"});
+  };
+  beat();
+  const auto lender = start(&helpers, "ours/uid/1");
+  EXPECT_TRUE(comes([&] { return borrowed() == std::set{address("ours")}; }, beat));
+  beat();
+  look_twice();
+  EXPECT_EQ(borrowed(), std::set{address("ours")});
+}
+
+TEST_F(LenderTest, WhatIsLentIsToldAndTakenBack) {
+  neighbour("us", {"incarnation", "now"});
+  lent = true;
+  const auto lender = start(nullptr);
+  const auto beat = [&] { neighbour("us", {"incarnation", "now"}); };
+  EXPECT_TRUE(comes([&] { return redis.field("diaphane:worker:us", "lent") == "1.000"; }, beat));
+  EXPECT_EQ(redis.field("diaphane:worker:us", "asked"), "0.000");
+  waiting = 1;
+  EXPECT_TRUE(comes([&] { return redis.field("diaphane:worker:us", "asked") == "1.000"; }, beat))
+      << "somebody looks here";
+  lent = false;
+  EXPECT_TRUE(comes([&] { return redis.number({"HEXISTS", "diaphane:worker:us", "lent"}) == 0; },
+                    beat));
+}
+
+TEST_F(LenderTest, AnotherOfOurNameIsNotSpokenFor) {
+  const auto beat = [&] { neighbour("us", {"incarnation", "another"}); };
+  beat();
+  lent = true;
+  const auto lender = start(nullptr);
+  look_twice();
+  EXPECT_EQ(redis.number({"HEXISTS", "diaphane:worker:us", "lent"}), 0);
+}
+
+TEST_F(LenderTest, ARedisThatIsAwayGivesAllBackAndItsReturnBorrowsAgain) {
+  waiting = 2;
+  const auto lender = start(&helpers);
+  const auto beat = [&] { neighbour("a"); };
+  ASSERT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, beat));
+  redis.stop();
+  EXPECT_TRUE(eventually([&] { return borrowed().empty(); }));
+  redis.start();
+  EXPECT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, beat));
+}
+
+TEST_F(LenderTest, ADeviceThatIsEnoughAndLendsNothingSaysNothingToRedis) {
+  waiting = 1;
+  const auto lender = start(&helpers);
+  look_twice();
+  const std::string before = redis.ask({"INFO", "commandstats"}).front();
+  EXPECT_EQ(before.find("cmdstat_evalsha"), std::string::npos) << before;
+  waiting = 2;
+  EXPECT_TRUE(eventually([&] {
+    return redis.ask({"INFO", "commandstats"}).front().find("cmdstat_evalsha") != std::string::npos;
+  }));
+}
+
+}  // namespace
+}  // namespace diaphane::render

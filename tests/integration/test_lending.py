@@ -1,0 +1,66 @@
+"""What a device has left, lent to the sessions of a neighbour that is asked for more than it has."""
+
+from __future__ import annotations
+
+from api_client import person
+from harness import metrics_at
+from stream_help import PROGRAMS, OtherWorker, Viewer, open_session, store_ball
+
+
+def gauge(metrics: str, name: str) -> float:
+    return next(float(line.split()[-1]) for line in metrics.splitlines() if line.startswith(f"{name} "))
+
+
+def test_a_neighbour_helps_while_it_idles_and_is_given_back_when_somebody_comes_to_it(stack_factory):
+    stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_LEND": "1", "DIAPHANE_MAX_ERROR": "0.0002"})
+    somebody = person(stack)
+    ball = store_ball(stack, somebody)
+    looking = [Viewer(stack.url, open_session(somebody, ball)[1], side=256) for _ in range(2)]
+    neighbour = OtherWorker(stack, "neighbour", "--max-error=0.0002", redis=stack.ports["redis"])
+
+    def moves(*viewers, until):
+        """All of them move, so that their device is asked for more than it has, until it is so."""
+        def step():
+            for viewer in viewers:
+                viewer.turn(1 if viewer.input_seq % 2 else -1)
+            return until()
+        return step
+
+    try:
+        for viewer in looking:
+            viewer.frame()
+        neighbour.start()
+        worker = "diaphane:worker:neighbour"
+        stack.wait_until(moves(*looking, until=lambda: float(stack.redis.hget(worker, "lent") or 0) > 0.1), timeout=60,
+                         what="it renders for its neighbour's pictures")
+        assert gauge(stack.metrics("renderd"), "diaphane_renderd_helpers") == 1
+        assert gauge(metrics_at(neighbour.admin_port), "diaphane_renderd_helped_pictures") >= 1
+        assert stack.log("renderd").count('"helper_asked"') == 1, "not to and fro"
+
+        # What it lends is not in the way of who comes.
+        session, url = open_session(somebody, ball)
+        assert stack.redis.hget(f"diaphane:session:{session}", "worker") == "neighbour"
+        visitor = Viewer(stack.url, url, side=256)
+        looking.append(visitor)
+        visitor.frame()
+        stack.wait_until(moves(*looking, until=lambda: '"helper_given_back"' in stack.log("renderd")), timeout=60,
+                         what="it is given back")
+        stack.wait_until(moves(*looking, until=lambda: gauge(metrics_at(neighbour.admin_port), "diaphane_renderd_helped_pictures") == 0),
+                         what="it helps nobody")
+        for viewer in looking:
+            seq = viewer.turn(30)
+            viewer.frame(condition=lambda frame, seq=seq: frame.input_seq >= seq)
+
+        visitor.leave()
+        looking.remove(visitor)
+        stack.wait_until(moves(*looking, until=lambda: stack.log("renderd").count('"helper_asked"') > 1), timeout=60,
+                         what="it is asked again")
+        neighbour.kill()
+        stack.wait_until(moves(*looking, until=lambda: stack.log("renderd").count('"helper_given_back"') > 1), timeout=60,
+                         what="a dead one is let go")
+        for viewer in looking:
+            seq = viewer.turn(30)
+            viewer.frame(condition=lambda frame, seq=seq: frame.input_seq >= seq)
+            viewer.leave()
+    finally:
+        neighbour.kill()
