@@ -325,8 +325,9 @@ int run(int argc, char** argv) {
   {
     const std::string incarnation = new_id();
     Registry registry(
-        {settings.redis, settings.worker_id, incarnation, settings.advertise, info.engine, info.device,
-         [&] { return worker.runner().busy_seconds(); }, [&] { return worker.volumes().loaded(); },
+        {settings.redis, settings.worker_id, incarnation, settings.advertise, info.engine,
+         info.device, [&] { return worker.runner().busy_seconds(); },
+         [&] { return worker.volumes().loaded(); },
          [&](const std::string& holder) {
            std::fprintf(stderr, "--worker-id: another renderd of this name lives at %s\n",
                         holder.c_str());
@@ -356,7 +357,7 @@ int run(int argc, char** argv) {
     lending.told = [&](std::size_t borrowed) {
       metrics.lending(borrowed, worker.assists().used());
     };
-    std::optional<Lender> lender(std::in_place, std::move(lending), 
+    std::optional<Lender> lender(std::in_place, std::move(lending),
                                  settings.lend > 0 ? assistants.get() : nullptr);
     std::optional<Watchdog> watchdog;
     if (settings.silence.count() > 0) {

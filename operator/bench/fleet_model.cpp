@@ -404,7 +404,7 @@ void FleetModel::lend_devices() {
   std::vector<LendingModel::Device> devices;
   devices.reserve(devices_.size());
   for (const Device& one : devices_) {
-    devices.push_back({one.ready && !one.told, one.told, one.node, one.wants});
+    devices.push_back({one.ready && !one.told, one.told, one.wants});
   }
   lending_.step(devices);
 }

@@ -1,36 +1,29 @@
 #include "operator/bench/lending_model.h"
 
 #include <algorithm>
-#include <map>
 #include <string>
 
 namespace diaphane::fleet::bench {
 namespace {
 
-constexpr std::size_t kAtRandom = 16;
-constexpr int kRounds = 6;  // of sharing out; a further one moves less than a thousandth
+constexpr std::size_t kAtRandom = 16;  // as lender.cpp
+constexpr int kRounds = 6;             // of sharing out; a further one moves less than a thousandth
 
 std::size_t number(const std::string& id) { return static_cast<std::size_t>(std::stoul(id)); }
 
 }  // namespace
 
-Neighbour LendingModel::seen(const std::vector<Device>& devices, std::size_t of,
-                             std::size_t by) const {
+Neighbour LendingModel::seen(const Device& device, std::size_t number) const {
   Neighbour one;
-  one.id = std::to_string(of);
-  one.load = said_[of].load;
-  one.lent = said_[of].lent;
+  one.id = std::to_string(number);
+  one.load = said_[number].load;
+  one.lent = said_[number].lent;
   one.age = 1;
-  one.same_node = devices[of].node == devices[by].node;
-  one.draining = devices[of].draining;
+  one.draining = device.draining;
   return one;
 }
 
 void LendingModel::decide(const std::vector<Device>& devices) {
-  std::map<int, std::vector<std::size_t>> nodes;
-  for (std::size_t i = 0; i < devices.size(); ++i) {
-    if (devices[i].there) nodes[devices[i].node].push_back(i);
-  }
   helpers_ = begun_ = 0;
   LendingQuestion question;
   for (std::size_t i = 0; i < devices.size(); ++i) {
@@ -43,14 +36,14 @@ void LendingModel::decide(const std::vector<Device>& devices) {
     question.asked = devices[i].wants;
     question.helped = helped_[i];
     question.neighbours.clear();
-    std::vector<std::size_t> known = nodes[devices[i].node];
+    std::vector<std::size_t> known;
     for (std::size_t k = 0; k < kAtRandom; ++k) known.push_back(random_.below(devices.size()));
     for (const Helper& helper : lendings_[i].helpers) known.push_back(number(helper.id));
     std::sort(known.begin(), known.end());
     known.erase(std::unique(known.begin(), known.end()), known.end());
     for (const std::size_t other : known) {
       if (other != i && devices[other].there) {
-        question.neighbours.push_back(seen(devices, other, i));
+        question.neighbours.push_back(seen(devices[other], other));
       }
     }
     lendings_[i] = lend(std::move(lendings_[i]), question, rules_, random_.bits());

@@ -25,7 +25,6 @@ class LendingModel {
   struct Device {
     bool there = false;  ///< alive, and takes part
     bool draining = false;
-    int node = 0;
     double wants = 0;  ///< asked for by its own sessions
   };
 
@@ -47,7 +46,7 @@ class LendingModel {
 
   void decide(const std::vector<Device>& devices);
   void share_out(const std::vector<Device>& devices);
-  Neighbour seen(const std::vector<Device>& devices, std::size_t of, std::size_t by) const;
+  Neighbour seen(const Device& device, std::size_t number) const;
 
   const LendingRules rules_;
   const LendingCosts costs_;

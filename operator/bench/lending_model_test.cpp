@@ -11,7 +11,7 @@ using Devices = std::vector<LendingModel::Device>;
 
 Devices asked(const std::vector<double>& wants) {
   Devices devices;
-  for (const double want : wants) devices.push_back({true, false, 0, want});
+  for (const double want : wants) devices.push_back({true, false, want});
   return devices;
 }
 

@@ -9,7 +9,7 @@
 namespace diaphane::render {
 
 /// What the sessions of this worker are expected to take of its device, and what else goes on there
-/// (films, pictures for other workers' sessions): what the next session is placed by.
+/// (films; not pictures for other workers' sessions): what the next session is placed by.
 class ExpectedLoad {
  public:
   struct Seen {

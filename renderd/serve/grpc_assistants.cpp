@@ -346,7 +346,7 @@ class GrpcAssistant final : public Assistant {
 
 GrpcAssistants::GrpcAssistants(std::vector<std::string> addresses, const wire::InnerTls& tls,
                                std::size_t most)
-    : tls_(tls) {
+    : tls_(tls), credentials_(wire::channel_credentials(tls)) {
   for (const std::string& address : addresses) {
     peers_.push_back(open(address));
     fixed_.push_back(std::make_shared<AssistSlot>());
@@ -368,8 +368,8 @@ std::shared_ptr<AssistPeer> GrpcAssistants::open(const std::string& address) con
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);
   auto peer = std::make_shared<AssistPeer>();
-  peer->stub = v1::RenderWorker::NewStub(
-      wire::open_channel(address, tls_, wire::channel_credentials(tls_), arguments));
+  peer->stub =
+      v1::RenderWorker::NewStub(wire::open_channel(address, tls_, credentials_, arguments));
   peer->address = address;
   return peer;
 }

@@ -9,6 +9,10 @@
 #include "common/wire/inner_tls.h"
 #include "renderd/composite/composite_engine.h"
 
+namespace grpc {
+class ChannelCredentials;
+}
+
 namespace diaphane::render {
 
 struct AssistPeer;
@@ -41,6 +45,7 @@ class GrpcAssistants final : public AssistSource {
   std::shared_ptr<AssistPeer> open(const std::string& address) const;
 
   const wire::InnerTls tls_;
+  const std::shared_ptr<grpc::ChannelCredentials> credentials_;
   const std::shared_ptr<std::atomic<double>> helped_seconds_ =
       std::make_shared<std::atomic<double>>(0);
   std::vector<std::shared_ptr<AssistSlot>> fixed_, coming_;

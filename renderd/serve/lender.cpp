@@ -62,7 +62,8 @@ Lender::~Lender() {
 
 void Lender::run() {
   std::unique_lock lock(mutex_);
-  while (!changed_.wait_for(lock, std::min(kSample, options_.period), [this] { return stopping_; })) {
+  while (
+      !changed_.wait_for(lock, std::min(kSample, options_.period), [this] { return stopping_; })) {
     lock.unlock();
     waited_ += static_cast<double>(options_.waiting());
     ++looks_;
@@ -95,12 +96,10 @@ std::vector<Neighbour> Lender::neighbours(const Use& use) {
   const bool lends = use.lent > 0;
   addresses_.clear();
   if (!wants && !lends && !lent_told_ && lending_.helpers.empty()) return {};
-  std::vector<std::string> arguments{options_.worker_id,
-                                     options_.incarnation,
-                                     number(use.asked),
-                                     lends ? number(use.lent) : "",
-                                     fleet_of(options_.owner),
-                                     std::to_string(wants ? kAtRandom : 0)};
+  std::vector<std::string> arguments{
+      options_.worker_id,       options_.incarnation,
+      number(use.asked),        lends ? number(use.lent) : "",
+      fleet_of(options_.owner), std::to_string(wants ? kAtRandom : 0)};
   for (const Helper& helper : lending_.helpers) arguments.push_back(helper.id);
   const auto answer = redis_.run(
       lua::lend, {"diaphane:workers", "diaphane:worker:" + options_.worker_id}, arguments);
@@ -158,7 +157,8 @@ void Lender::look() {
   const std::vector<Neighbour> known = neighbours(now);
   if (helpers_ != nullptr) {
     const Lending before = lending_;
-    lending_ = lend(lending_, {now.seconds, now.asked, now.helped, known}, options_.rules, random_());
+    lending_ =
+        lend(lending_, {now.seconds, now.asked, now.helped, known}, options_.rules, random_());
     borrow(before);
   }
   if (options_.told) options_.told(lending_.helpers.size());

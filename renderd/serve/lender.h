@@ -29,11 +29,11 @@ class Lender {
     std::string owner;    ///< only workers of the same fleet help each other
     LendingRules rules;
     std::chrono::milliseconds period{1000};
-    std::function<double()> busy_seconds;                 ///< of the device, since the start
-    std::function<double()> lent_seconds;                 ///< of these, for others' pictures
-    std::function<std::size_t()> waiting;                 ///< own sessions that would gain
-    std::function<std::vector<std::string>()> volumes;    ///< loaded
-    std::function<void(std::size_t borrowed)> told;       ///< after each look
+    std::function<double()> busy_seconds;               ///< of the device, since the start
+    std::function<double()> lent_seconds;               ///< of these, for others' pictures
+    std::function<std::size_t()> waiting;               ///< own sessions that would gain
+    std::function<std::vector<std::string>()> volumes;  ///< loaded
+    std::function<void(std::size_t borrowed)> told;     ///< after each look
   };
 
   /// `helpers` may be null: nobody is asked, only what is lent is told. It outlives this.
@@ -72,8 +72,8 @@ class Lender {
   std::size_t looks_ = 0;
   bool lent_told_ = false;
   Lending lending_;
-  std::map<std::string, std::string> addresses_;       ///< of the neighbours that were seen last
-  std::map<std::string, Clock::time_point> avoided_;   ///< by id, until when
+  std::map<std::string, std::string> addresses_;      ///< of the neighbours that were seen last
+  std::map<std::string, Clock::time_point> avoided_;  ///< by id, until when
   std::mt19937_64 random_{std::random_device{}()};
   std::thread thread_;
 };

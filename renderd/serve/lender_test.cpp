@@ -17,8 +17,8 @@ struct LenderTest : testing::Test {
   /// A neighbour as its heartbeat leaves it. It lives until the test ends it.
   void neighbour(const std::string& id, const std::vector<std::string>& fields = {}) {
     const std::string key = "diaphane:worker:" + id;
-    std::vector<std::string> words{"HSET",     key, "address", address(id), "load", "0.1",
-                                   "draining", "0", "epoch",   "1"};
+    std::vector<std::string> words{"HSET", key,        "address", address(id), "load",
+                                   "0.1",  "draining", "0",       "epoch",     "1"};
     words.insert(words.end(), fields.begin(), fields.end());
     redis.ask(words);
     redis.ask({"PEXPIRE", key, "600000"});
@@ -93,14 +93,13 @@ TEST_F(LenderTest, AHelperThatIsBusyDrainsOrDiesIsGivenBack) {
   const std::vector<std::vector<std::string>> changes{
       {"load", "0.97"}, {"draining", "1"}, {"asked", "0.95", "lent", "0.05"}};
   for (const auto& change : changes) {
-    ASSERT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; },
-                      [&] { neighbour("a"); }));
+    ASSERT_TRUE(
+        comes([&] { return borrowed() == std::set{address("a")}; }, [&] { neighbour("a"); }));
     EXPECT_TRUE(comes([&] { return borrowed().empty(); }, [&] { neighbour("a", change); }))
         << change.front();
     redis.ask({"HDEL", "diaphane:worker:a", "asked", "lent"});
   }
-  ASSERT_TRUE(
-      comes([&] { return borrowed() == std::set{address("a")}; }, [&] { neighbour("a"); }));
+  ASSERT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, [&] { neighbour("a"); }));
   redis.ask({"DEL", "diaphane:worker:a"});
   EXPECT_TRUE(eventually([&] { return borrowed().empty(); }));
 }
@@ -108,11 +107,8 @@ TEST_F(LenderTest, AHelperThatIsBusyDrainsOrDiesIsGivenBack) {
 TEST_F(LenderTest, WhatAHelperDoesForUsIsNoReasonToGiveItBack) {
   waiting = 2;
   const auto lender = start(&helpers);
-  const auto helps = [&] {
-    neighbour("a", {"load", "1", "asked", "0.05", "lent", "0.95"});
-  };
-  ASSERT_TRUE(
-      comes([&] { return borrowed() == std::set{address("a")}; }, [&] { neighbour("a"); }));
+  const auto helps = [&] { neighbour("a", {"load", "1", "asked", "0.05", "lent", "0.95"}); };
+  ASSERT_TRUE(comes([&] { return borrowed() == std::set{address("a")}; }, [&] { neighbour("a"); }));
   helps();
   for (int i = 0; i < 5; ++i) {
     helps();
@@ -149,8 +145,11 @@ TEST_F(LenderTest, WhatIsLentIsToldAndTakenBack) {
   EXPECT_TRUE(comes([&] { return redis.field("diaphane:worker:us", "asked") == "1.000"; }, beat))
       << "somebody looks here";
   lent = false;
-  EXPECT_TRUE(comes([&] { return redis.number({"HEXISTS", "diaphane:worker:us", "lent"}) == 0; },
-                    beat));
+  EXPECT_TRUE(comes(
+      [&] {
+        return redis.number({"HEXISTS", "diaphane:worker:us", "lent"}) == 0;
+      },
+      beat));
 }
 
 TEST_F(LenderTest, AnotherOfOurNameIsNotSpokenFor) {

@@ -94,6 +94,21 @@ TEST_F(RegistryTest, WhatItsSessionsAreExpectedToTakeIsTold) {
   EXPECT_EQ(redis.field("diaphane:worker:w1", "sessions"), "1");
 }
 
+TEST_F(RegistryTest, WhatIsLentToOthersIsNothingThatASessionIsPlacedBy) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto all = [begin] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  Registry::Options told{redis.address, "w1", "first", "127.0.0.1:8085", "fake", "a test"};
+  told.busy_seconds = all;
+  told.volumes = [] { return std::vector<std::string>{}; };
+  // Never less than the device was busy, however long the two questions are apart.
+  told.lent_seconds = [all] { return 2 * all(); };
+  const Registry registry(std::move(told), worker->host(), metrics);
+  ASSERT_TRUE(eventually([&] { return redis.field("diaphane:worker:w1", "load") == "1.000"; }));
+  EXPECT_EQ(redis.field("diaphane:worker:w1", "expected"), "0.0000");
+}
+
 TEST_F(RegistryTest, TheHeartbeatGoesOn) {
   auto registry = announce();
   ASSERT_TRUE(eventually([&] { return registry->connected(); }));
