@@ -187,6 +187,12 @@ def test_interaction_is_recorded_only_with_consent_and_can_be_taken_back(stack: 
     page.get_by_role("button", name="Delete").click()
     expect(page.get_by_role("button", name="Delete")).to_have_count(0)
     assert stack.psql("SELECT count(*) FROM recordings") == [(0,)]
-    page.get_by_role("switch", name="Record how I look at pictures").uncheck()
+    consent = "**/v1/recording-consent"
+    page.route(consent, lambda route: route.abort())
+    switch.click()
+    expect(page.get_by_role("dialog").get_by_role("alert")).to_be_visible()
+    expect(switch).to_be_checked()  # nobody was told
+    page.unroute(consent)
+    switch.uncheck()
     stack.wait_until(lambda: stack.psql("SELECT count(*) FROM users WHERE recording_consent_at IS NOT NULL") == [(0,)]
                      or page.wait_for_timeout(50), what="the consent taken back")

@@ -59,9 +59,17 @@ export function RecordingDialog({ onClose }: { readonly onClose: () => void }) {
     (thrown: unknown) => set_said(app.explain(thrown)),
   );
   useEffect(() => void load(), []);
-  const change = (work: Promise<void>) => {
+  const change = (work: Promise<void>, undo?: () => void) => {
     set_said("");
-    void work.then(load, (thrown: unknown) => set_said(app.explain(thrown)));
+    void work.then(load, (thrown: unknown) => {
+      undo?.();
+      set_said(app.explain(thrown));
+    });
+  };
+  /** The switch stands where it was put until the server has said otherwise, however often this is drawn meanwhile. */
+  const agree = (now: Recordings, wanted: boolean) => {
+    set_mine({ ...now, consent: wanted });
+    change(app.api.record_interaction(wanted), () => set_mine(now));
   };
   return (
     <Dialog title={t.recording.title} onClose={onClose}>
@@ -72,7 +80,7 @@ export function RecordingDialog({ onClose }: { readonly onClose: () => void }) {
           role="switch"
           checked={mine?.consent ?? false}
           disabled={mine === null}
-          onChange={(event) => change(app.api.record_interaction(event.currentTarget.checked))}
+          onChange={(event) => mine && agree(mine, event.currentTarget.checked)}
         />
         <span>{t.recording.consent}</span>
       </label>
