@@ -217,6 +217,35 @@ TEST_F(Assist, AHelperThatRefusesOrIsNotThereIsSaidSoAndAskedNoMore) {
   }
 }
 
+TEST_F(Assist, AHelperWithoutRoomForAllHelpsWithAsManyAsItCan) {
+  start(0, {.division = Division::kAverage}, 1);
+  Helper helper(store_.path);  // of two pictures at most
+  source_->borrow({helper.address()});
+  std::vector<std::unique_ptr<FrameRenderer>> more;
+  for (int i = 0; i < 2; ++i) {
+    more.push_back(*engine_->renderer(loaded_, 6, 0, kLiveMethod));
+    ASSERT_TRUE(more.back()->set_scene(scene_, kCanvas));
+  }
+  const auto step = [&] {
+    for (const auto& one : more) {
+      EXPECT_TRUE(one->render(2, [] { return false; }));
+      (void)one->progress();
+    }
+    EXPECT_TRUE(source_->refusing().empty());
+  };
+  ASSERT_TRUE(until([&] {
+    step();
+    return helper.worker->assists().used() == 2;
+  }));
+  // The third asks again each second.
+  const auto begun = steady_clock::now();
+  ASSERT_TRUE(until([&] {
+    step();
+    return steady_clock::now() - begun > 2500ms;
+  }));
+  EXPECT_EQ(helper.worker->assists().used(), 2u);
+}
+
 /// What anybody may send, and how the call ends.
 TEST_F(Assist, NonsenseEndsTheCallAndHarmsNobody) {
   start(1, {.division = Division::kAverage});

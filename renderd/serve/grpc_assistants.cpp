@@ -89,7 +89,7 @@ class Exchange {
 struct AssistPeer {
   std::string address;
   std::unique_ptr<v1::RenderWorker::Stub> stub;
-  /// A call ended before it was ready.
+  /// A call ended before it was ready, and not for want of room beside others.
   std::atomic<bool> refuses{false};
 
   void began(grpc::ClientContext* call) {
@@ -108,6 +108,11 @@ struct AssistPeer {
     const std::lock_guard lock(mutex_);
     --calls_;
     changed_.notify_all();
+  }
+  /// Calls beside the one that is about to end.
+  bool has_others() {
+    const std::lock_guard lock(mutex_);
+    return calls_ > 1;
   }
   /// Ends all calls, also those that begin later.
   void leave() {
@@ -222,7 +227,12 @@ class CallReactor final : public grpc::ClientBidiReactor<v1::AssistRequest, v1::
     write_next();
   }
   void OnDone(const grpc::Status& status) override {
-    if (!was_ready_ && status.error_code() != grpc::StatusCode::CANCELLED) peer_->refuses = true;
+    // Without room for one picture more it may help with others of ours.
+    const bool full = status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED;
+    if (!was_ready_ && status.error_code() != grpc::StatusCode::CANCELLED &&
+        !(full && peer_->has_others())) {
+      peer_->refuses = true;
+    }
     exchange_->broken = true;
     const auto peer = std::move(peer_);
     peer->forget(&context_);
