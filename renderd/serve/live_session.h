@@ -119,6 +119,8 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void end(const Error& why);
   /// Ended because nobody needs it; nobody is told but `ended`.
   void dismiss();
+  /// Nobody hears of it any more; it goes on until it is dismissed.
+  void silence();
   /// Of a follower's own session: the presenter's settings.
   void follow(const diaphane::v1::Scene& presenters);
   /// Once or more a second.

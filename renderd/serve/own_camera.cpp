@@ -3,11 +3,13 @@
 
 namespace diaphane::render {
 
+void LiveSession::silence() {
+  const std::lock_guard lock(mutex_);
+  links_.clear();
+}
+
 void LiveSession::dismiss() {
-  {
-    const std::lock_guard lock(mutex_);
-    links_.clear();
-  }
+  silence();
   end({ErrorCode::kConflict, "Nobody needs it any more.", {}});
   on_ended_({ErrorCode::kUnavailable, "Nobody looks.", {}});
 }
@@ -41,6 +43,8 @@ void LiveSession::change_camera(std::uint64_t connection, bool own) {
     Receiver* const receiver = state_.audience.find(connection);
     const auto link = links_.find(connection);
     unused = take_branch(connection);
+    // Else a picture of its own could come after the group's configuration.
+    if (unused) unused->silence();
     if (!made) {
       v1::ServerMessage message;
       *message.mutable_problem() = problem_of(made.error(), 0, false);
