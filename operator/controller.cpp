@@ -201,8 +201,7 @@ void Controller::work(const Snapshot& seen, steady_clock::time_point until) {
 
 std::vector<std::string> Controller::fleet_names() const {
   std::vector<std::string> names;
-  std::uint64_t seen = 0;
-  fleets_->store().newer(seen, [&](const auto& all) {
+  fleets_->store().visit([&](const auto& all) {
     for (const auto& [name, one] : all) names.push_back(name);
   });
   return names;
@@ -212,8 +211,7 @@ std::vector<Draining> Controller::draining() const {
   std::vector<Draining> told;
   if (!leader_->leads()) return told;
   std::vector<WorkerObject> leaving;
-  std::uint64_t seen = 0;
-  workers_->store().newer(seen, [&](const auto& all) {
+  workers_->store().visit([&](const auto& all) {
     for (const auto& [name, one] : all) {
       if (one.worker.drain || one.worker.deleted) leaving.push_back(one);
     }

@@ -62,7 +62,9 @@ class InformerTest : public testing::Test {
   }
   std::string names() const {
     std::string names;
-    for (const Thing& one : informer_->store().all()) names += one.name + one.version + " ";
+    informer_->store().visit([&](const auto& all) {
+      for (const auto& [name, one] : all) names += one.name + one.version + " ";
+    });
     return names;
   }
 

@@ -55,8 +55,13 @@ class Store {
     return put(std::move(object));
   }
 
-  /// Hands all of them to `take`, by name, where anything is other than at revision `seen`, which
-  /// becomes that of now.
+  /// Hands all of them to `take`, by name.
+  template <typename Take>
+  void visit(const Take& take) const {
+    const std::lock_guard lock(mutex_);
+    take(objects_);
+  }
+  /// The same where anything is other than at revision `seen`, which becomes that of now.
   template <typename Take>
   bool newer(std::uint64_t& seen, const Take& take) const {
     const std::lock_guard lock(mutex_);
@@ -64,14 +69,6 @@ class Store {
     seen = revision_;
     take(objects_);
     return true;
-  }
-
-  std::vector<T> all() const {
-    const std::lock_guard lock(mutex_);
-    std::vector<T> all;
-    all.reserve(objects_.size());
-    for (const auto& [name, one] : objects_) all.push_back(one);
-    return all;
   }
   std::optional<T> find(const std::string& name) const {
     const std::lock_guard lock(mutex_);
