@@ -49,8 +49,7 @@ struct LendingQuestion {
   double seconds = 1;  ///< since the last
   double asked = 0;    ///< of its device by its own sessions at this moment; 1: all there is
   double helped = 0;   ///< what came from helpers in the last second, in devices
-  /// Some at random and those of its node; the helpers that it has as well: who is not among them
-  /// has gone.
+  /// Some at random, and the helpers that it has: who is not among them has gone.
   std::vector<Neighbour> neighbours;
 };
 
