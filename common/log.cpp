@@ -10,6 +10,10 @@
 namespace diaphane::log {
 namespace {
 
+/// Of one text in a line, in bytes. A line has a handful of fields, so it stays well below the
+/// 16 KiB at which container runtimes split it, whatever a library put into an exception's text.
+constexpr std::size_t kMaxTextBytes = 2048;
+
 std::string g_program = "diaphane";
 Level g_minimum = Level::kInfo;
 thread_local std::string t_request_id;
@@ -42,6 +46,13 @@ const char* name_of(Level level) {
   return "error";
 }
 
+/// `text` cut off after kMaxTextBytes, marked by an ellipsis. The cut may leave a part of a
+/// character, which dump() replaces.
+std::string bounded(std::string text) {
+  if (text.size() > kMaxTextBytes) text.replace(kMaxTextBytes, std::string::npos, "…");
+  return text;
+}
+
 }  // namespace
 
 void start(std::string program, Level minimum) {
@@ -58,6 +69,10 @@ void write(Level level, std::string_view event, std::initializer_list<Field> fie
   line["event"] = std::string(event);
   if (!t_request_id.empty()) line["request_id"] = t_request_id;
   for (const Field& field : fields) {
+    if (const auto* text = std::get_if<std::string>(&field.value)) {
+      line[std::string(field.key)] = bounded(*text);
+      continue;
+    }
     std::visit([&](const auto& value) { line[std::string(field.key)] = value; }, field.value);
   }
   // Bytes that are not UTF-8 are replaced, so a line is always valid JSON.

@@ -33,6 +33,7 @@ void start(std::string program, Level minimum = Level::kInfo);
 
 /// One line of JSON on standard error: time (RFC 3339, UTC, ms), level, program, event, then the
 /// fields and, when this thread has one, "request_id". Written by one write(2), so lines never mix.
+/// A text longer than 2048 bytes is cut off.
 void write(Level level, std::string_view event, std::initializer_list<Field> fields = {});
 
 inline void debug(std::string_view e, std::initializer_list<Field> f = {}) {
