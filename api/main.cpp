@@ -1,4 +1,4 @@
-// diaphane-api: REST and the stream gateway. Wiring only.
+// diaphane-api: the REST API. Wiring only.
 #include <malloc.h>
 #include <sodium.h>
 
@@ -34,7 +34,6 @@
 #include "api/redis/links.h"
 #include "api/redis/sessions.h"
 #include "api/service/housekeeping.h"
-#include "api/stream/gateway.h"
 #include "api/stream/worker_stills.h"
 #include "common/clock.h"
 #include "common/config.h"
@@ -83,7 +82,7 @@ struct Settings {
   std::string postgres, redis, public_url, upload_dir, volume_dir, cache_dir, mail, mail_from;
   std::string sample_token, admin_address, fleet;
   std::optional<SealingKey> factor_key;
-  std::uint16_t api_port = 0, stream_port = 0, admin_port = 0;
+  std::uint16_t api_port = 0, admin_port = 0;
   DataSets::Options data_sets;
   wire::InnerTls tls;
 };
@@ -96,7 +95,6 @@ Settings read_settings(ConfigReader& in) {
   s.tls = wire::read_inner_tls(in);
   wire::check_address(in, "redis", s.redis, s.tls);
   s.api_port = in.port("api-port", "REST, 127.0.0.1 only: the edge stands before it");
-  s.stream_port = in.port("stream-port", "WebSocket gateway");
   s.admin_port = in.port("admin-port", "/metrics, /healthz, /readyz");
   s.admin_address = in.text("admin-address", "address of the admin port", "127.0.0.1");
   s.public_url = in.text("public-url", "origin as the browser sees it, https://host[:port]");
@@ -157,7 +155,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   PrivacyRepository privacy_store(database);
   MailRepository mail_store(database);
 
-  // Up first, so that a start that hangs can be looked at; ready only when both listeners are open.
+  // Up first, so that a start that hangs can be looked at; ready only when the listener is open.
   std::atomic<bool> serving = false;
   auto admin =
       service::AdminServer::start({.address = settings.admin_address,
@@ -165,7 +163,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
                                    .program = "api",
                                    .checks = {{"postgres", [&] { return database.reachable(); }},
                                               {"redis", [&] { return placed.reachable(); }},
-                                              {"listeners", [&] { return serving.load(); }}},
+                                              {"listener", [&] { return serving.load(); }}},
                                    .details = {}});
   if (!admin) {
     std::fprintf(stderr, "%s\n", admin.error().message.c_str());
@@ -297,20 +295,12 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     std::fprintf(stderr, "%s\n", listener.error().message.c_str());
     return kExitUnavailable;
   }
-  auto gateway = stream::Gateway::start(
-      {.port = settings.stream_port, .public_url = settings.public_url, .tls = settings.tls},
-      placed, placed, placed, (*admin)->registry());
-  if (!gateway) {
-    std::fprintf(stderr, "%s\n", gateway.error().message.c_str());
-    return gateway.error().code == ErrorCode::kInvalid ? kExitConfig : kExitUnavailable;
-  }
   serving = true;
-  log::info("serving", {{"api_port", settings.api_port}, {"stream_port", settings.stream_port}});
+  log::info("serving", {{"api_port", settings.api_port}});
 
   stop.wait();
   log::info("draining");
   (*admin)->set_draining();
-  (*gateway)->stop(500ms);
   (*listener)->drain(1500ms);
   log::info("stopped");
   // All that was asked is answered, and all that matters is in the stores. What is left would only
@@ -334,8 +324,7 @@ int main(int argc, char** argv) {
   if (!in.words().empty() && in.words().front() == "admin") return api::run_admin(in);
   const api::Settings settings = api::read_settings(in);
   if (!in.words().empty()) in.mistake("unknown word " + in.words().front() + " (try --help)");
-  if (auto done =
-          in.finish("diaphane-api: REST and the stream gateway (migrate up|down: the schema)")) {
+  if (auto done = in.finish("diaphane-api: the REST API (migrate up|down: the schema)")) {
     return *done;
   }
   log::start("api");

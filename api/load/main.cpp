@@ -1,5 +1,5 @@
-// diaphane-load: the words `bench` (programs, viewers, report), `soak` (viewers at programs that
-// run already), `gateway`.
+// diaphane-load: the words `bench` (programs, viewers, report) and `soak` (viewers at programs that
+// run already).
 #include <signal.h>
 #include <sys/resource.h>
 
@@ -9,7 +9,6 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "api/load/gateway_host.h"
 #include "api/load/load_run.h"
 #include "api/load/soak_run.h"
 #include "api/redis/client.h"
@@ -20,8 +19,7 @@ namespace diaphane::api::load {
 namespace {
 
 constexpr int kExitUnavailable = 69;  // sysexits.h
-constexpr char kAbout[] =
-    "diaphane-load bench | soak | gateway: many viewers at the stream, measured";
+constexpr char kAbout[] = "diaphane-load bench | soak: many viewers at the stream, measured";
 
 double decimal(ConfigReader& in, const char* name, const char* help, const char* fallback) {
   const std::string text = in.text(name, help, fallback);
@@ -78,7 +76,8 @@ int bench(ConfigReader& in) {
   if (std::sscanf(size.c_str(), "%ux%u", &crowd.viewer.width, &crowd.viewer.height) != 2) {
     in.mistake("--size WIDTHxHEIGHT");
   }
-  options.stage.bin_dir = in.directory("bin-dir", "where diaphane-renderd and diaphane-load are");
+  options.stage.bin_dir =
+      in.directory("bin-dir", "where diaphane-renderd and diaphane-gateway are");
   options.stage.volume_dir = in.directory("volume", "a volume of the store");
   options.stage.engine = in.one_of("engine", "of renderd", {"auto", "cpu", "cuda"}, "auto");
   options.stage.log_dir =
@@ -117,16 +116,6 @@ int soak(ConfigReader& in) {
   return write(soak_run(options, placement), file);
 }
 
-int gateway(ConfigReader& in) {
-  GatewayHost host;
-  host.redis = in.text("redis", "host:port");
-  host.stream_port = in.port("stream-port", "WebSocket gateway");
-  host.admin_port = in.port("admin-port", "/metrics, /readyz on 127.0.0.1");
-  host.public_url = in.text("public-url", "origin of its pages");
-  if (auto done = in.finish(kAbout)) return *done;
-  return serve_gateway(host);
-}
-
 // Two descriptors a session and more: the usual 1024 are few.
 void raise_descriptors() {
   rlimit limit{};
@@ -146,7 +135,6 @@ int main(int argc, char** argv) {
   const std::string word = in.words().empty() ? "" : in.words().front();
   if (word == "bench") return api::load::bench(in);
   if (word == "soak") return api::load::soak(in);
-  if (word == "gateway") return api::load::gateway(in);
-  in.mistake("say what: bench, soak or gateway");
+  in.mistake("say what: bench or soak");
   return in.finish(api::load::kAbout).value_or(kExitUsage);
 }

@@ -104,8 +104,8 @@ Result<void> Stage::start_all(const Options& options) {
   });
   if (!done) return done;
 
-  return add(options.bin_dir + "/diaphane-load",
-             {"gateway", "--redis=" + redis(), "--stream-port=" + std::to_string(stream_port_),
+  return add(options.bin_dir + "/diaphane-gateway",
+             {"--redis=" + redis(), "--stream-port=" + std::to_string(stream_port_),
               "--admin-port=" + std::to_string(gateway_admin_), "--public-url=" + origin_},
              "gateway")
       .and_then([&] { return wait([&] { return ready(gateway_admin_); }, "gateway"); });

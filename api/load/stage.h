@@ -24,7 +24,7 @@ struct Usage {
 class Stage {
  public:
   struct Options {
-    std::string bin_dir;     ///< diaphane-renderd, diaphane-load; redis-server there or in the PATH
+    std::string bin_dir;     ///< diaphane-renderd, diaphane-gateway; redis-server there or in the PATH
     std::string volume_dir;  ///< one volume of the store: volume.json and voxels.i16
     std::string engine = "auto";
     std::size_t slots = 8;

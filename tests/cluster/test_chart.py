@@ -123,7 +123,7 @@ def test_copies_of_volumes_lie_where_the_values_say(plane, tmp_path, given, want
     assert any(one["mountPath"] == "/copies" for one in spec["containers"][0]["volumeMounts"]) is (wanted is not None)
 
 
-TALKERS = {"api": "Deployment/it-diaphane-api", "renderd": "RenderFleet/it-diaphane", "operator": "Deployment/it-diaphane-operator"}
+TALKERS = {"api": "Deployment/it-diaphane-api", "gateway": "Deployment/it-diaphane-api", "renderd": "RenderFleet/it-diaphane", "operator": "Deployment/it-diaphane-operator"}
 
 
 @pytest.mark.parametrize("choice", ["tls", "plain", "nothing"])
@@ -134,7 +134,7 @@ def test_the_programs_take_what_pods_are_told_of_tls(plane, tmp_path, stack_hous
     objects = pod_specs(rendered(plane, tmp_path, INNER_TLS if choice == "tls" else {}))
     assert not [name for name, spec in objects if "inner-tls" in json.dumps(spec) and name not in TALKERS.values()]
     spec = dict(objects)[TALKERS[program]]
-    container = spec["containers"][0]
+    container = next((one for one in spec["containers"] if one["name"] == program), spec["containers"][0])
     environment = {one["name"]: one["value"] for one in container["env"] if one["name"] not in ("DIAPHANE_ADMIN_PORT", "DIAPHANE_INNER_PLAIN" * (choice == "nothing"))
                    and "value" in one}
     if choice == "tls":

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import jsonschema
+import pytest
 import yaml
 
 REPO = Path(__file__).resolve().parents[2]
@@ -27,7 +28,7 @@ def test_rules_and_dashboard_ask_for_metrics_that_there_are():
 
 
 def test_templates_set_only_settings_that_programs_read():
-    programs = {"api.yaml": ("api/main.cpp",), "migrate.yaml": ("api/main.cpp",), "ingest.yaml": ("ingest/main.cpp",), "fleet.yaml": ("renderd/main.cpp",)}
+    programs = {"api.yaml": ("api/main.cpp", "api/gateway_main.cpp"), "migrate.yaml": ("api/main.cpp",), "ingest.yaml": ("ingest/main.cpp",), "fleet.yaml": ("renderd/main.cpp",)}
     if (REPO / "operator" / "main.cpp").exists():
         programs["operator.yaml"] = programs["retire.yaml"] = ("operator/main.cpp",)
     for template, files in programs.items():
@@ -42,11 +43,13 @@ def test_templates_set_only_settings_that_programs_read():
     assert given == read
 
 
-def test_api_is_given_everything_it_cannot_do_without():
-    text = (REPO / "api" / "main.cpp").read_text(encoding="utf-8").partition("Settings read_settings")[2].partition("\n}\n")[0]
+@pytest.mark.parametrize("program, file, one", [("api", "main.cpp", "FACTOR_KEY"), ("gateway", "gateway_main.cpp", "STREAM_PORT")])
+def test_a_container_is_given_every_setting_that_its_program_needs(program, file, one):
+    text = (REPO / "api" / file).read_text(encoding="utf-8").partition("Settings read_settings")[2].partition("\n}\n")[0]
     needed = {name.upper().replace("-", "_") for name in re.findall(r'in\.(?:text|port|directory)\("([a-z-]+)",\s*"[^"]*"\)', text)}
-    assert "FACTOR_KEY" in needed
-    assert needed <= set(re.findall(r"name: DIAPHANE_([A-Z_]+)", (CHART / "templates" / "api.yaml").read_text(encoding="utf-8")))
+    assert one in needed
+    container = (CHART / "templates" / "api.yaml").read_text(encoding="utf-8").partition(f"- name: {program}\n")[2].partition("- name: edge\n")[0]
+    assert needed <= set(re.findall(r"name: DIAPHANE_([A-Z_]+)", container))
 
 
 def test_the_schema_says_each_value_and_no_other():

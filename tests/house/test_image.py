@@ -39,7 +39,7 @@ def test_every_place_that_a_pod_mounts_is_there():
 
 
 def test_the_chart_starts_programs_that_the_image_takes():
-    assert image.chart_programs() == ["diaphane-api", "diaphane-ingestd", "diaphane-operator", "diaphane-renderd"]
+    assert image.chart_programs() == ["diaphane-api", "diaphane-gateway", "diaphane-ingestd", "diaphane-operator", "diaphane-renderd"]
 
 
 def test_the_last_stage_has_nothing_of_those_before_it_but_their_files():

@@ -22,7 +22,7 @@ MESSAGES = messages()
 ClientMessage, ServerMessage = MESSAGES["ClientMessage"], MESSAGES["ServerMessage"]
 
 # What a stream needs to run.
-PROGRAMS = ("postgres", "redis", "api", "renderd", "edge")
+PROGRAMS = ("postgres", "redis", "api", "gateway", "renderd", "edge")
 
 
 def store_ball(stack: TestStack, owner: Person, size: int = 48) -> str:

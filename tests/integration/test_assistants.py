@@ -10,7 +10,7 @@ from stream_help import OtherWorker, Viewer, free_port, open_session, store_ball
 @pytest.fixture
 def assisted(stack_factory):
     port = free_port()
-    stack = stack_factory(only=("postgres", "redis", "api", "renderd", "edge"),
+    stack = stack_factory(only=("postgres", "redis", "api", "gateway", "renderd", "edge"),
                           extra_env={"DIAPHANE_ASSIST": f"127.0.0.1:{port}", "DIAPHANE_MAX_ERROR": "0.0005"})
     helper = OtherWorker(stack, "helper", f"--grpc-port={port}")
     helper.start()

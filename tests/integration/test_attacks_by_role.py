@@ -24,7 +24,7 @@ WHOLE = ("getMe", "describeDataSet", "/", "stream")
 
 @pytest.fixture(scope="module")
 def attacked(stack_house):
-    stack = stack_house.open(only=("postgres", "redis", "api", "edge"))
+    stack = stack_house.open(only=("postgres", "redis", "api", "gateway", "edge"))
     yield stack
     stack_house.shut(stack)
 

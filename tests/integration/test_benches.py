@@ -51,7 +51,7 @@ def test_nothing_grows_fast_while_fifty_people_come_and_go(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
     results = json.loads((tmp_path / "results.json").read_text())["results"]
     watched = {tuple(r["name"].split(" grew")[0].split(": ")) for r in results if " grew by" in r["name"]}
-    assert watched >= {(program, what) for program in ("api", "renderd") for what in ("memory", "descriptors", "threads")}
+    assert watched >= {(program, what) for program in ("gateway", "renderd") for what in ("memory", "descriptors", "threads")}
     assert all(r["met"] for r in results)
 
 

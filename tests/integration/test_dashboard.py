@@ -16,7 +16,7 @@ from websockets.exceptions import ConnectionClosed
 from harness import TestStack
 
 #: Of programs that are asked here; the operator is asked in tests/cluster.
-PROGRAMS = ("api", "renderd", "ingestd")
+PROGRAMS = ("api", "gateway", "renderd", "ingestd")
 PREFIXES = ("diaphane_api_", "diaphane_stream_", "diaphane_renderd_", "diaphane_ingest_", "diaphane_start_")
 
 

@@ -127,7 +127,7 @@ def test_ten_thousand_scenes_a_second_close_that_stream_alone(running, opened, u
 
 
 def test_a_hundred_megabytes_in_one_message_are_never_held(running, one, opened, unharmed):
-    before = resident_mb(running.pids["api"])
+    before = resident_mb(running.pids["gateway"])
     with connect_raw(running.ports["stream"], timeout=10) as raw:
         raw.sendall(handshake(running.url, opened[1][-64:]))
         assert raw.recv(4096).startswith(b"HTTP/1.1 101 ")
@@ -140,11 +140,11 @@ def test_a_hundred_megabytes_in_one_message_are_never_held(running, one, opened,
         except OSError:
             pass
         assert sent < 50 << 20, "it was read to the end"
-    assert resident_mb(running.pids["api"]) - before < 20
+    assert resident_mb(running.pids["gateway"]) - before < 20
 
 
 def test_half_a_message_waits_for_the_rest_and_harms_nobody(running, opened, unharmed):
-    files = f"/proc/{running.pids['api']}/fd"
+    files = f"/proc/{running.pids['gateway']}/fd"
     before = len(os.listdir(files))
     with connect_raw(running.ports["stream"], timeout=5) as raw:
         raw.sendall(handshake(running.url, opened[1][-64:]))
@@ -214,20 +214,20 @@ FAKETIME = "/usr/lib/x86_64-linux-gnu/faketime/libfaketimeMT.so.1"
 
 
 def test_jumps_of_the_wall_clock_end_no_stream_and_keep_nobody_out(stack_factory, stack_house):
-    """Of api and renderd, an hour on and an hour back. The clock for intervals goes on as ever, and so does Redis, whose time
+    """Of api, gateway and renderd, an hour on and an hour back. The clock for intervals goes on as ever, and so does Redis, whose time
     is the only one that two programs share."""
     offset = stack_house.folder() / "offset"
     offset.write_text("+0\n")
     offset.chmod(0o644)
     stack = stack_factory(only=PROGRAMS)
-    for name in ("api", "renderd"):
+    for name in ("api", "gateway", "renderd"):
         held = stack.stack.running_[name]
         held.program = replace(held.program, env={
             **held.program.env, "LD_PRELOAD": FAKETIME, "FAKETIME_TIMESTAMP_FILE": str(offset), "FAKETIME_NO_CACHE": "1",
             "FAKETIME_DONT_FAKE_MONOTONIC": "1"})
         stack.stop(name)
         stack.start(name)
-    stack.wait_ready("api", "renderd")
+    stack.wait_ready("api", "gateway", "renderd")
     somebody = person(stack)
     ball = store_ball(stack, somebody, 24)
     session, url = open_session(somebody, ball)
@@ -245,7 +245,7 @@ def test_jumps_of_the_wall_clock_end_no_stream_and_keep_nobody_out(stack_factory
         another = Viewer(stack.url, url)
         another.frame()
         another.leave()
-        for name in ("api", "renderd"):
+        for name in ("api", "gateway", "renderd"):
             told = datetime.fromisoformat(json.loads(stack.log(name).splitlines()[-1])["time"])
             assert abs(told.timestamp() - time.time() - jump) < 600, f"the clock of {name} did not jump"
     viewer.leave()

@@ -27,10 +27,10 @@ def port(running) -> int:
 
 @pytest.fixture(autouse=True)
 def unharmed(running):
-    pid = running.pids["api"]
+    pid = running.pids["gateway"]
     before = resident_mb(pid)
     yield
-    assert running.pids["api"] == pid
+    assert running.pids["gateway"] == pid
     assert resident_mb(pid) - before < 100
 
 
@@ -133,7 +133,7 @@ def test_slow_handshakes_are_ended_and_others_are_served_meanwhile(running, port
 
 
 def test_a_thousand_connections_that_vanish_leave_nothing(running, port):
-    files = f"/proc/{running.pids['api']}/fd"
+    files = f"/proc/{running.pids['gateway']}/fd"
     before = len(os.listdir(files))
     for _ in range(20):
         several = [connect(port) for _ in range(50)]

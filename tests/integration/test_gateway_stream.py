@@ -149,7 +149,7 @@ def test_a_thumbnail_is_rendered_by_a_worker_and_then_cached(running, one, ball)
 def test_the_gateway_counts(running, session):
     viewer = Viewer(running.url, session[1])
     viewer.frame()
-    text = running.metrics("api")
+    text = running.metrics("gateway")
     assert "diaphane_stream_attached 1" in text
     assert 'diaphane_stream_refusals_total{reason="ticket"}' in text
     viewer.leave()
@@ -224,17 +224,17 @@ def test_streams_go_on_while_redis_is_away_and_new_sessions_come_when_it_is_back
     viewer.leave()
 
 
-def test_an_api_that_stops_tells_its_viewers_to_come_back(breakable):
+def test_a_gateway_that_stops_tells_its_viewers_to_come_back(breakable):
     stack, somebody, ball = breakable
     session, url = open_session(somebody, ball)
     viewer = Viewer(stack.url, url)
     viewer.frame()
-    stopping = threading.Thread(target=stack.stop, args=("api",))
+    stopping = threading.Thread(target=stack.stop, args=("gateway",))
     begun = time.monotonic()
     stopping.start()
     assert viewer.close_code() == 1001
     stopping.join()
     assert time.monotonic() - begun < 4
-    stack.start("api")
-    stack.wait_ready("api")
+    stack.start("gateway")
+    stack.wait_ready("gateway")
     back_again(stack, somebody, session, 5).leave()

@@ -19,7 +19,7 @@ from harness import REPO, StackHouse
 from house import bench_client, datadir, ports
 from house.processes import Identity, wait_gone
 
-PROGRAMS = {"edge", "api", "ingestd", "renderd", "postgres", "redis"}
+PROGRAMS = {"edge", "api", "gateway", "ingestd", "renderd", "postgres", "redis"}
 
 
 class Home:

@@ -25,7 +25,7 @@ JPEG, H264 = 1, 2
 
 @pytest.fixture(scope="module")
 def stack(stack_house: StackHouse):
-    running = stack_house.open(only=("postgres", "redis", "api", "renderd", "edge"))
+    running = stack_house.open(only=("postgres", "redis", "api", "gateway", "renderd", "edge"))
     yield running
     stack_house.shut(running)
 

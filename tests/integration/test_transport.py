@@ -93,10 +93,10 @@ def test_postgres_is_reached_by_tls_and_only_with_the_right_certificate(stack_fa
 
 def test_the_admin_port_is_open_to_others_only_where_it_is_told_to_be(stack, stack_factory):
     """In a pod who asks for metrics and health is another machine; on one machine nobody is."""
-    programs = ("api-admin", "ingestd-admin", "renderd-admin")
+    programs = ("api-admin", "gateway-admin", "ingestd-admin", "renderd-admin")
     for program in programs:
         with pytest.raises(httpx.ConnectError):
             httpx.get(f"http://127.0.0.2:{stack.ports[program]}/healthz")
-    opened = stack_factory(only=("postgres", "redis", "api", "ingestd", "renderd"), extra_env={"DIAPHANE_ADMIN_ADDRESS": "0.0.0.0"})
+    opened = stack_factory(only=("postgres", "redis", "api", "gateway", "ingestd", "renderd"), extra_env={"DIAPHANE_ADMIN_ADDRESS": "0.0.0.0"})
     for program in programs:
         assert httpx.get(f"http://127.0.0.2:{opened.ports[program]}/healthz").status_code == 200, program

@@ -18,7 +18,7 @@ from harness import metrics_at
 def node(stack_house):
     """A stack whose renderd keeps copies, and the folder that has them."""
     copies = stack_house.folder() / "copies"
-    stack = stack_house.open(only=("postgres", "redis", "api", "edge", "ingestd", "renderd"), extra_env={"DIAPHANE_VOLUME_COPIES_DIR": str(copies)})
+    stack = stack_house.open(only=("postgres", "redis", "api", "gateway", "edge", "ingestd", "renderd"), extra_env={"DIAPHANE_VOLUME_COPIES_DIR": str(copies)})
     yield stack, copies
     stack_house.shut(stack)
 

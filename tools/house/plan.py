@@ -76,7 +76,7 @@ class Settings:
 
 def programs(s: Settings) -> list[Program]:
     """All programs in the order of their start."""
-    return [_postgres(s), _redis(s), _api(s), _ingestd(s), _renderd(s), _edge(s)]
+    return [_postgres(s), _redis(s), _api(s), _gateway(s), _ingestd(s), _renderd(s), _edge(s)]
 
 
 def _inherited(settings: Settings) -> dict[str, str]:
@@ -119,10 +119,19 @@ def _api(s: Settings) -> Program:
         name="api", argv=(str(binary),), port=s.ports["api"], tier=1, requires=(binary,),
         ready=Ready("http", s.ports["api-admin"]),
         env=_own(s, postgres=s.dsn, redis=f"127.0.0.1:{s.ports['redis']}", api_port=s.ports["api"],
-                 stream_port=s.ports["stream"], admin_port=s.ports["api-admin"], public_url=s.url,
+                 admin_port=s.ports["api-admin"], public_url=s.url,
                  upload_dir=s.data / "uploads", volume_dir=s.data / "volumes", cache_dir=s.data / "cache",
                  mail=f"file:{s.data / 'mail'}", mail_from="Diaphane <diaphane@localhost>",
                  sample_token=s.data / "secrets" / "sample-token", factor_key=s.data / "secrets" / "factor-key"))
+
+
+def _gateway(s: Settings) -> Program:
+    binary = s.layout.bin / "diaphane-gateway"
+    return Program(
+        name="gateway", argv=(str(binary),), port=s.ports["stream"], tier=1, requires=(binary,),
+        ready=Ready("http", s.ports["gateway-admin"]),
+        env=_own(s, redis=f"127.0.0.1:{s.ports['redis']}", stream_port=s.ports["stream"],
+                 admin_port=s.ports["gateway-admin"], public_url=s.url))
 
 
 def migrate(s: Settings) -> tuple[list[str], dict[str, str]]:

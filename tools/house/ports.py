@@ -17,6 +17,7 @@ DEFAULTS = {
     "api-admin": 8091,
     "ingestd-admin": 8092,
     "renderd-admin": 8093,
+    "gateway-admin": 8094,
 }
 
 

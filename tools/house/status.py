@@ -10,7 +10,7 @@ from .layout import of_checkout
 from .plan import Settings
 from .says import say
 
-NAMES = ("edge", "api", "ingestd", "renderd", "postgres", "redis")
+NAMES = ("edge", "api", "gateway", "ingestd", "renderd", "postgres", "redis")
 
 
 def status(data: Path) -> dict:

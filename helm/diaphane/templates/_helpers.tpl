@@ -139,19 +139,19 @@ affinity:
               {{- include "diaphane.selector" $on | nindent 14 }}
 {{- end -}}
 
-{{/* Of the admin port: alive says nothing of what it depends on. */}}
+{{/* Of the admin port, called with its name: alive says nothing of what it depends on. */}}
 {{- define "diaphane.probes" -}}
 startupProbe:
-  httpGet: {path: /healthz, port: admin}
+  httpGet: {path: /healthz, port: {{ . }}}
   periodSeconds: 2
   failureThreshold: 60
 livenessProbe:
-  httpGet: {path: /healthz, port: admin}
+  httpGet: {path: /healthz, port: {{ . }}}
   periodSeconds: 10
   timeoutSeconds: 3
   failureThreshold: 3
 readinessProbe:
-  httpGet: {path: /readyz, port: admin}
+  httpGet: {path: /readyz, port: {{ . }}}
   periodSeconds: 3
   timeoutSeconds: 2
   failureThreshold: 2

@@ -15,7 +15,7 @@ from ..bench_stack import running
 from ..says import say
 
 ABOUT = "the edge's attacks by route and role: sent, refused, answered, misses; an ordinary client meanwhile (--routes, --roles, --each)"
-PROGRAMS = ("diaphane-api",)
+PROGRAMS = ("diaphane-api", "diaphane-gateway")
 PAGE = True
 
 
@@ -42,7 +42,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     tallies: dict[Cell, Tally] = {}
     misses: list[str] = []
     begun = time.monotonic()
-    with running(engine="cpu", only=("postgres", "redis", "api", "edge")) as started:
+    with running(engine="cpu", only=("postgres", "redis", "api", "gateway", "edge")) as started:
         stack = TestStack(started)
         watched = Undisturbed(stack, person(stack))
         stored = known_hash(stack)

@@ -14,7 +14,7 @@ from ..bench_volumes import cranium
 from ..says import HouseError, say
 
 ABOUT = "N people at once, M of whom drag: input to frame (p50, p95, p99), where the time goes (--sessions, --moving, --find)"
-PROGRAMS = ("diaphane-load", "diaphane-renderd")
+PROGRAMS = ("diaphane-load", "diaphane-renderd", "diaphane-gateway")
 # What a machine without a GPU shows: two cores trace a window of this size in some milliseconds.
 CPU_SESSIONS, CPU_SIZE = 8, "160x90"
 

@@ -17,15 +17,15 @@ from ..bench_volumes import store_ball
 from ..says import HouseError, say
 from ..users import ordinary_user
 
-ABOUT = "people coming and going, reloading, cut off: memory, descriptors, threads of api and renderd (--minutes, --people)"
-PROGRAMS = ("diaphane-api", "diaphane-renderd", "diaphane-load")
-WATCHED = ("api", "renderd", "redis")
+ABOUT = "people coming and going, reloading, cut off: memory, descriptors, threads of gateway and renderd (--minutes, --people)"
+PROGRAMS = ("diaphane-gateway", "diaphane-renderd", "diaphane-load")
+WATCHED = ("gateway", "renderd", "redis")
 WARM_UP = 0.25    # of the time: caches fill, the allocator finds its size
 
 # Memory that a visit may cost for good. In operation fifty seats are taken anew every ten minutes, 300 visits an hour; of what a pod
-# may have at most (helm/diaphane/values.yaml: renderd 16 GiB, api 2 GiB) a tenth may be lost in thirty days of that. Here as many
+# may have at most (helm/diaphane/values.yaml: renderd 16 GiB, gateway 1 GiB) a tenth may be lost in thirty days of that. Here as many
 # visits come in 18 hours. What Redis keeps of a visit goes after a day: 14 MB of one.
-PER_VISIT_KB = {"renderd": 0.1 * 16 * 2**30 / 1e3 / (30 * 24 * 300), "api": 0.1 * 2 * 2**30 / 1e3 / (30 * 24 * 300), "redis": 2.0}
+PER_VISIT_KB = {"renderd": 0.1 * 16 * 2**30 / 1e3 / (30 * 24 * 300), "gateway": 0.1 * 1 * 2**30 / 1e3 / (30 * 24 * 300), "redis": 2.0}
 # What the others may grow by, measured: share of the level, and at least. In a run too short to say more, only what is worse.
 ALLOWED = {"descriptors": (0.05, 4), "threads": (0.05, 2), "device memory": (0.02, 64)}
 ALLOWED_QUICK = {"memory": (0.25, 48.0), "descriptors": (0.5, 40), "threads": (0.1, 4), "device memory": (0.05, 128)}
@@ -52,10 +52,10 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
     scale = options.scale or (0.1 if quick else 0.2 if options.engine == "cpu" else 1)
     with folder(ordinary_user()) as base:
         stack = prepared(base, options.engine, DIAPHANE_SLOTS=str(2 * options.people))
-        stack.only = ("postgres", "redis", "api", "renderd")
+        stack.only = ("redis", "gateway", "renderd")
         with stack:
             data_set = store_ball(stack)
-            before = descriptors(stack.pids["api"])
+            before = descriptors(stack.pids["gateway"])
             report, series = _watched(stack, _people(stack, data_set, seconds, scale, options), 0.25 if quick else 2)
             left = _after(stack, before)
     if options.series:
@@ -141,9 +141,9 @@ def _device_memory() -> list[float]:
 
 
 def _after(stack, before: int) -> int:
-    """Descriptors that api still has more than before anybody came, a while after all have gone."""
+    """Descriptors that the gateway still has more than before anybody came, a while after all have gone."""
     deadline = time.monotonic() + 10
-    while (left := descriptors(stack.pids["api"]) - before) > 0 and time.monotonic() < deadline:
+    while (left := descriptors(stack.pids["gateway"]) - before) > 0 and time.monotonic() < deadline:
         time.sleep(0.2)
     return max(0, left)
 
@@ -176,7 +176,7 @@ def results_of(report: dict, series: dict, left: int, quick: bool) -> list[Resul
         results.append(Result(f"{program}: {what} grew by at {'least' if quick else 'most'} (99%)", round(bound, 3), UNITS[what],
                               0.0, round(verdict.allowed, 3), bound <= verdict.allowed))
     results.append(result("people without a picture for 30 s", [report["no_picture"]], "", at_most=0))
-    results.append(result("descriptors that api kept", [left], "", at_most=5))
+    results.append(result("descriptors that the gateway kept", [left], "", at_most=5))
     results.append(result("frames", [report["frames"]], "", at_least=1))
     return results
 

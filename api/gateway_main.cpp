@@ -1,0 +1,105 @@
+// diaphane-gateway: the WebSocket gateway of the stream. Wiring only. It shares no process with the
+// REST API: a fault there ends no stream.
+#include <malloc.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "api/redis/client.h"
+#include "api/redis/sessions.h"
+#include "api/stream/gateway.h"
+#include "common/config.h"
+#include "common/log.h"
+#include "common/service/admin_server.h"
+#include "common/service/core_files.h"
+#include "common/service/signals.h"
+#include "common/wire/inner_tls.h"
+
+namespace diaphane::api {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kExitUnavailable = 69;  ///< sysexits.h: a port cannot be opened
+constexpr auto kGrace = 500ms;        ///< for viewers to close after they were told to come back
+
+struct GatewaySettings {
+  std::string redis, public_url, admin_address;
+  std::uint16_t stream_port = 0, admin_port = 0;
+  wire::InnerTls tls;
+};
+
+GatewaySettings read_settings(ConfigReader& in) {
+  GatewaySettings s;
+  s.redis = in.text("redis", "host:port, or rediss://host:port with TLS");
+  s.tls = wire::read_inner_tls(in);
+  wire::check_address(in, "redis", s.redis, s.tls);
+  s.stream_port = in.port("stream-port", "WebSockets, 127.0.0.1 only: the edge stands before it");
+  s.admin_port = in.port("admin-port", "/metrics, /healthz, /readyz");
+  s.admin_address = in.text("admin-address", "address of the admin port", "127.0.0.1");
+  s.public_url = in.text("public-url", "origin as the browser sees it, https://host[:port]");
+  return s;
+}
+
+int refuse(const Error& why, int code) {
+  std::fprintf(stderr, "%s\n", why.message.c_str());
+  return code;
+}
+
+int serve(const GatewaySettings& settings, service::StopSignal& stop) {
+  auto redis_client = redis::Client::create({.address = settings.redis, .tls = settings.tls});
+  if (!redis_client) return refuse(redis_client.error(), kExitConfig);
+  redis::Sessions placed(**redis_client);
+
+  // The admin port opens first, so that a start that hangs can be examined.
+  std::atomic<bool> serving = false;
+  auto admin =
+      service::AdminServer::start({.address = settings.admin_address,
+                                   .port = settings.admin_port,
+                                   .program = "gateway",
+                                   .checks = {{"redis", [&] { return placed.reachable(); }},
+                                              {"listener", [&] { return serving.load(); }}},
+                                   .details = {}});
+  if (!admin) return refuse(admin.error(), kExitUnavailable);
+
+  auto gateway = stream::Gateway::start(
+      {.port = settings.stream_port, .public_url = settings.public_url, .tls = settings.tls},
+      placed, placed, placed, (*admin)->registry());
+  if (!gateway) {
+    const bool mistake = gateway.error().code == ErrorCode::kInvalid;
+    return refuse(gateway.error(), mistake ? kExitConfig : kExitUnavailable);
+  }
+  serving = true;
+  log::info("serving", {{"stream_port", settings.stream_port}});
+
+  stop.wait();
+  log::info("draining");
+  (*admin)->set_draining();
+  (*gateway)->stop(kGrace);
+  log::info("stopped");
+  // Every viewer has been told to come back. The admin port would take up to two more seconds to
+  // close, and whoever stops us may have no more than that.
+  std::quick_exit(0);
+}
+
+}  // namespace
+}  // namespace diaphane::api
+
+int main(int argc, char** argv) {
+  // The buffer of a large picture goes back to the system when it is freed. By itself the C library
+  // raises this threshold, and each thread keeps the largest block that it ever had.
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  using namespace diaphane;
+  service::forbid_core_files();
+  ConfigReader in(argc, argv);
+  const api::GatewaySettings settings = api::read_settings(in);
+  if (!in.words().empty()) in.mistake("unknown word " + in.words().front() + " (try --help)");
+  if (auto done = in.finish("diaphane-gateway: the stream's WebSocket gateway")) return *done;
+  log::start("gateway");
+  service::StopSignal stop;
+  return api::serve(settings, stop);
+}
