@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import time
+from pathlib import Path
 
-from house.processes import Identity, wait_gone
+from harness import REPO
+from house import datadir, ports
+from house.processes import Identity, boot, kill_group, wait_gone
+from house.stack import Stack
 
 
 def test_the_stores_run_as_an_ordinary_user_and_answer(stores):
@@ -69,8 +74,6 @@ def test_nothing_of_a_stopped_stack_is_left_running(stack_house):
 
 
 def test_a_recorded_pid_that_is_another_process_by_now_is_left_alone(stack_house):
-    from house import datadir
-
     bystander = os.fork()
     if bystander == 0:
         signal.pause()
@@ -86,3 +89,81 @@ def test_a_recorded_pid_that_is_another_process_by_now_is_left_alone(stack_house
     finally:
         os.kill(bystander, signal.SIGKILL)
         os.waitpid(bystander, 0)
+
+
+def workers_of(running) -> list[Identity]:
+    """nginx's, once there are any."""
+    master = running.pids["edge"]
+    return [one for one in Identity.of(master).group() if one.pid != master]
+
+
+def test_a_killed_edge_serves_again_and_its_orphaned_workers_are_gone(stack_house):
+    running = stack_house.open(only=("edge",))
+    try:
+        workers = running.wait_until(lambda: workers_of(running), 10, "workers")
+        before = running.kill("edge")
+        running.wait_ready("edge")
+        assert running.pids["edge"] != before
+        assert wait_gone(workers, 5) == [], "they would keep the port"
+        assert "Address already in use" not in running.log("edge") and "bind()" not in running.log("edge")
+    finally:
+        stack_house.shut(running)
+
+
+def leave_workers(stack_house) -> tuple[Path, list[Identity]]:
+    """The workers of an edge whose supervisor was killed, and then its master."""
+    data, given = stack_house.folder(), ports.random_free()
+    ports.give_back(given.values())
+    (data / "secrets").mkdir(mode=0o700)
+    stack_house.run_as.own(data / "secrets")
+    app = stack_house.layout()
+    supervisor = os.fork()
+    if supervisor == 0:
+        Stack(data=data, ports=given, layout=app, run_as=stack_house.run_as, durable=False, only=("edge",)).start()
+        signal.pause()
+        os._exit(0)
+    try:
+        deadline = time.monotonic() + 30
+        master = None
+        while time.monotonic() < deadline and not (master and len(master.group()) > 1 and datadir.read_record(data).get("ready")):
+            time.sleep(0.05)
+            master = next((datadir.recorded(entry) for entry in datadir.read_record(data).get("programs", [])), None)
+        assert master
+    finally:
+        os.kill(supervisor, signal.SIGKILL)
+        os.waitpid(supervisor, 0)
+    workers = [one for one in master.group() if one != master]
+    master.send(signal.SIGKILL)
+    assert wait_gone([master], 5) == []
+    assert workers and all(one.alive() for one in workers), "nginx's workers outlive their master"
+    return data, workers
+
+
+def test_down_ends_workers_whose_master_and_supervisor_were_killed(stack_house):
+    data, workers = leave_workers(stack_house)
+    done = subprocess.run([str(REPO / "diaphane"), "down", "--data", str(data)], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0 and "Stopped" in done.stdout, done.stdout + done.stderr
+    assert wait_gone(workers, 1) == []
+
+
+def test_the_next_start_ends_workers_whose_master_and_supervisor_were_killed(stack_house):
+    data, workers = leave_workers(stack_house)
+    running = stack_house.open(only=("edge",), data_dir=data)
+    try:
+        assert wait_gone(workers, 1) == []
+    finally:
+        stack_house.shut(running)
+
+
+def test_a_group_of_another_boot_or_of_another_leader_is_left_alone(stack_house):
+    bystander = subprocess.Popen(["/bin/sleep", "100"], start_new_session=True)
+    try:
+        real = Identity.of(bystander.pid)
+        recorded = {"name": "edge", "pid": real.pid, "start": real.start}
+        assert datadir.left_running({"boot": boot(), "programs": [recorded]}) == [("edge", real)]
+        assert datadir.left_running({"boot": "another", "programs": [recorded]}) == []
+        assert datadir.left_running({"boot": boot(), "programs": [{**recorded, "start": real.start - 1}]}) == []
+        assert kill_group(Identity(real.pid, real.start - 1)) == [] and real.alive()
+    finally:
+        bystander.kill()
+        bystander.wait()

@@ -9,7 +9,7 @@ import re
 import secrets
 from pathlib import Path
 
-from . import users
+from . import processes, users
 from .plan import FOLDERS
 from .processes import Identity
 from .says import HouseError
@@ -93,6 +93,21 @@ def recorded(entry: dict) -> Identity | None:
     except (KeyError, TypeError, ValueError):
         return None
     return identity if identity.alive() else None
+
+
+def left_running(record: dict) -> list[tuple[str, Identity]]:
+    """Name and leader of each program of stack.json of which something still runs, if only processes that it started."""
+    if record.get("boot", processes.boot()) != processes.boot():
+        return []
+    found = []
+    for entry in record.get("programs", []):
+        try:
+            leader = Identity(int(entry["pid"]), int(entry["start"]))
+        except (KeyError, TypeError, ValueError):
+            continue
+        if leader.alive() or leader.group():
+            found.append((str(entry.get("name", "?")), leader))
+    return found
 
 
 class Lock:

@@ -24,17 +24,30 @@ class Identity:
         """False for a zombie too: it runs nothing and holds no port."""
         return _stat(self.pid, 19) == str(self.start) and _stat(self.pid, 0) not in (None, "Z", "X")
 
-    def send(self, number: int, group: bool = False) -> None:
-        """Signals the process, or its whole group when it leads one; nothing when it is another by now."""
+    def send(self, number: int) -> None:
+        """Signals the process; nothing when it is another by now."""
         if not self.alive():
             return
         try:
-            if group and os.getpgid(self.pid) == self.pid:
-                os.killpg(self.pid, number)
-            else:
-                os.kill(self.pid, number)
+            os.kill(self.pid, number)
         except ProcessLookupError:
             pass
+
+    def group(self) -> list["Identity"]:
+        """Live processes of the session and group that this process was started as leader of, also after its own death.
+
+        Linux gives its pid to nobody else while the group has members, so a leader with another start time means that the
+        group is somebody else's by now."""
+        if _stat(self.pid, 19) not in (None, str(self.start)):
+            return []
+        own = str(self.pid)
+        found = []
+        for entry in os.listdir("/proc"):
+            if entry.isdigit() and _stat(int(entry), 2) == own and _stat(int(entry), 3) == own:
+                one = Identity.of(int(entry))
+                if one and one.start >= self.start and one.alive():
+                    found.append(one)
+        return found
 
 
 def _stat(pid: int, field_after_name: int) -> str | None:
@@ -56,9 +69,29 @@ def wait_gone(identities: list[Identity], seconds: float) -> list[Identity]:
     return left
 
 
+def kill_group(leader: Identity, seconds: float = 1.0) -> list[Identity]:
+    """Kills what there is of a program's group: nginx's workers, for instance, outlive a master that was killed, and keep its
+    port. Those that are still alive after `seconds`."""
+    deadline = time.monotonic() + seconds
+    while members := leader.group():
+        try:
+            os.killpg(leader.pid, signal.SIGKILL)
+        except (ProcessLookupError, PermissionError):
+            pass
+        wait_gone(members, max(0.0, deadline - time.monotonic()))
+        if time.monotonic() >= deadline:
+            return leader.group()
+    return []
+
+
 def end(identity: Identity, first: int = signal.SIGTERM, seconds: float = 3.0) -> None:
     """Asks with `first`, then kills what is left of its group."""
     identity.send(first)
-    if wait_gone([identity], seconds):
-        identity.send(signal.SIGKILL, group=True)
-        wait_gone([identity], 1.0)
+    wait_gone([identity], seconds)
+    kill_group(identity)
+
+
+def boot() -> str:
+    """What tells one start of the machine from another: start times of processes count from it."""
+    with open("/proc/sys/kernel/random/boot_id", encoding="ascii") as file:
+        return file.read().strip()

@@ -14,7 +14,7 @@ from typing import Callable, Iterable
 from . import cluster, datadir, logfiles, plan
 from .layout import Layout
 from .plan import Program, Settings
-from .processes import Identity, end, wait_gone
+from .processes import Identity, boot, end, kill_group, wait_gone
 from .ready import is_ready
 from .says import HouseError
 from .users import RunAs
@@ -213,11 +213,8 @@ class Stack:
             raise HouseError("not built or not installed yet:\n" + "\n".join(lines))
 
     def _end_leftovers(self) -> None:
-        """Ends what a supervisor that was killed left behind, after making sure that each is still that process."""
-        left = []
-        for entry in reversed(datadir.read_record(self.data).get("programs", [])):
-            if identity := datadir.recorded(entry):
-                left.append((entry.get("name", "?"), identity))
+        """Ends what a supervisor that was killed left behind, after making sure that each is still that process, or its group."""
+        left = datadir.left_running(datadir.read_record(self.data))[::-1]
         if not left:
             return
         self.on_event("ending what an earlier run left behind: " + ", ".join(name for name, _ in left))
@@ -262,6 +259,8 @@ class Stack:
         now = time.monotonic()
         if entry.process is not None and entry.process.poll() is not None:
             entry.last_exit = entry.process.returncode
+            if entry.identity and kill_group(entry.identity):
+                self.on_event(f"processes that {entry.program.name} started cannot be ended")
             entry.process = entry.identity = None
             if now - entry.started_at > 10:
                 entry.backoff = BACKOFF_FIRST
@@ -303,13 +302,10 @@ class Stack:
                 process.wait(max(0.0, deadline - time.monotonic()))
             except subprocess.TimeoutExpired:
                 self.on_event(f"{entry.program.name} did not stop in time; killing it")
-                identity.send(signal.SIGKILL, group=True)
+                identity.send(signal.SIGKILL)
                 process.wait(1)
             # What a program that died in its stride left of its own children.
-            try:
-                os.killpg(process.pid, signal.SIGKILL)
-            except (ProcessLookupError, PermissionError):
-                pass
+            kill_group(identity)
             entry.identity = None
 
     def _last_words(self, name: str) -> str:
@@ -325,7 +321,7 @@ class Stack:
                  "restarts": e.restarts}
                 for e in self.running_.values() if e.identity]
             datadir.write_record(self.data, {
-                "version": 1, "url": self.settings.url if self.settings else "", "ready": self.serving,
+                "version": 1, "boot": boot(), "url": self.settings.url if self.settings else "", "ready": self.serving,
                 "supervisor": {"pid": me.pid, "start": me.start}, "ports": dict(self.ports),
                 "mail": str(self.data / "mail"), "programs": programs})
 

@@ -139,7 +139,7 @@ def down(data: Path) -> int:
     """Stops what runs on a data directory: by its supervisor, or by itself when that one is dead."""
     users.owner_of(data).become()   # so that root ends nothing that is not this user's
     supervisor = running_supervisor(data)
-    programs = [i for e in datadir.read_record(data).get("programs", []) if (i := datadir.recorded(e))]
+    programs = datadir.left_running(datadir.read_record(data))
     if supervisor is None and not programs:
         say(f"Nothing runs on {data}")
         return 0
@@ -147,7 +147,10 @@ def down(data: Path) -> int:
         supervisor.send(signal.SIGTERM)
         if wait_gone([supervisor], STOP_SECONDS):
             supervisor.send(signal.SIGKILL)
-    for identity in reversed(programs):
-        end(identity, seconds=1.0)
+    for _, leader in reversed(programs):
+        end(leader, seconds=1.0)
+    if left := [name for name, leader in programs if leader.alive() or leader.group()]:
+        warn(f"still running: {', '.join(left)}")
+        return 1
     say("Stopped")
     return 0
