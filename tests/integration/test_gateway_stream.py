@@ -149,6 +149,7 @@ def test_a_thumbnail_is_rendered_by_a_worker_and_then_cached(running, one, ball)
 def test_the_gateway_counts(running, session):
     viewer = Viewer(running.url, session[1])
     viewer.frame()
+    assert Viewer(running.url, session[1], greet=False).close_code() == 4401, "a ticket is for one use"
     text = running.metrics("gateway")
     assert "diaphane_stream_attached 1" in text
     assert 'diaphane_stream_refusals_total{reason="ticket"}' in text
