@@ -8,6 +8,8 @@
 #include "api/service/account_mails.h"
 #include "api/service/password.h"
 #include "common/clock.h"
+#include "common/postgres/address.h"
+#include "common/wire/inner_tls.h"
 
 namespace diaphane::api {
 namespace {
@@ -66,7 +68,7 @@ int forget_factor(Database& database, const std::string& email) {
 }  // namespace
 
 int run_admin(ConfigReader& in) {
-  const std::string url = in.text("postgres", "libpq URL");
+  const std::string url = postgres::read_url(in, wire::read_plain_allowed(in));
   const auto& words = in.words();
   const std::string what = words.size() > 1 ? words[1] : "";
   const bool list = what == "list" && words.size() == 2;

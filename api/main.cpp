@@ -38,6 +38,7 @@
 #include "common/clock.h"
 #include "common/config.h"
 #include "common/log.h"
+#include "common/postgres/address.h"
 #include "common/service/admin_server.h"
 #include "common/service/core_files.h"
 #include "common/service/signals.h"
@@ -57,7 +58,7 @@ constexpr int kConnections = 12;
 constexpr int kHashingSlots = 2;
 
 int run_migrate(ConfigReader& in) {
-  const std::string url = in.text("postgres", "libpq URL");
+  const std::string url = postgres::read_url(in, wire::read_plain_allowed(in));
   const std::string directory =
       in.directory("migrations", "directory of NNNN_name.up.sql and .down.sql");
   const auto steps =
@@ -89,11 +90,11 @@ struct Settings {
 
 Settings read_settings(ConfigReader& in) {
   Settings s;
-  s.postgres = in.text("postgres", "libpq URL");
   s.redis = in.text("redis", "host:port, or rediss://host:port with TLS");
   s.fleet = in.text("fleet", "RenderFleet that grows for who finds no place", "");
   s.tls = wire::read_inner_tls(in);
   wire::check_address(in, "redis", s.redis, s.tls);
+  s.postgres = postgres::read_url(in, s.tls.plain_allowed);
   s.api_port = in.port("api-port", "REST, 127.0.0.1 only: the edge stands before it");
   s.admin_port = in.port("admin-port", "/metrics, /healthz, /readyz");
   s.admin_address = in.text("admin-address", "address of the admin port", "127.0.0.1");

@@ -83,6 +83,8 @@ std::string_view to_string(ErrorCode code) {
       return "unsupported";
     case ErrorCode::kUnavailable:
       return "unavailable";
+    case ErrorCode::kOutcomeUnknown:
+      return "outcome_unknown";
     case ErrorCode::kOutOfMemory:
       return "out_of_memory";
     case ErrorCode::kDeviceLost:

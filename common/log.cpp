@@ -1,11 +1,16 @@
 #include "common/log.h"
 
+#include <cxxabi.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <system_error>
+#include <typeinfo>
 
 namespace diaphane::log {
 namespace {
@@ -53,11 +58,38 @@ std::string bounded(std::string text) {
   return text;
 }
 
+[[noreturn]] void log_and_abort() {
+  try {
+    if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
+    write(Level::kError, "terminated");
+  } catch (const std::exception& thrown) {
+    write(Level::kError, "terminated", {{"reason", describe(thrown)}});
+  } catch (...) {
+    write(Level::kError, "terminated", {{"reason", "an exception of no known type"}});
+  }
+  std::abort();
+}
+
 }  // namespace
 
 void start(std::string program, Level minimum) {
   g_program = std::move(program);
   g_minimum = minimum;
+  std::set_terminate(log_and_abort);
+}
+
+std::string describe(const std::exception& thrown) {
+  if (dynamic_cast<const SafeError*>(&thrown)) return thrown.what();
+  const char* const raw = typeid(thrown).name();
+  int status = 0;
+  const std::unique_ptr<char, decltype(&std::free)> name(
+      abi::__cxa_demangle(raw, nullptr, nullptr, &status), &std::free);
+  std::string text = status == 0 ? name.get() : raw;
+  if (const auto* system = dynamic_cast<const std::system_error*>(&thrown)) {
+    text += std::string(", ") + system->code().category().name() + " " +
+            std::to_string(system->code().value());
+  }
+  return text;
 }
 
 void write(Level level, std::string_view event, std::initializer_list<Field> fields) {

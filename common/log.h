@@ -1,7 +1,9 @@
 #pragma once
 
+#include <exception>
 #include <initializer_list>
 #include <nlohmann/json_fwd.hpp>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,7 +30,8 @@ struct Field {
 enum class Level { kDebug, kInfo, kWarning, kError };
 
 /// Names the program in every line; `minimum` drops what is below it. Call once, before any thread
-/// starts.
+/// starts. An exception that nobody catches is logged by describe() from then on; the standard
+/// library would print its text.
 void start(std::string program, Level minimum = Level::kInfo);
 
 /// One line of JSON on standard error: time (RFC 3339, UTC, ms), level, program, event, then the
@@ -48,6 +51,17 @@ inline void warning(std::string_view e, std::initializer_list<Field> f = {}) {
 inline void error(std::string_view e, std::initializer_list<Field> f = {}) {
   write(Level::kError, e, f);
 }
+
+/// An exception whose text was written for the log: it quotes nothing that a person or a scan
+/// brought along.
+class SafeError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What a log line may say of an exception: its type, and its text only if it is a SafeError. The
+/// texts of libraries quote what they choked on: a row, a piece of JSON, a header.
+std::string describe(const std::exception& thrown);
 
 /// While it lives, lines of this thread carry the request's id.
 class RequestScope {

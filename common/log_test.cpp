@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
+#include <system_error>
+#include <thread>
 
 namespace diaphane {
 namespace {
@@ -28,6 +31,22 @@ TEST(Log, ALongTextIsCutOff) {
   const auto cut = line_with("x" + std::string(2046, 'x') + "éé")["reason"].get<std::string>();
   EXPECT_TRUE(cut.starts_with(std::string(2047, 'x')));
   EXPECT_LT(cut.size(), 2060U);
+}
+
+TEST(Log, AnExceptionIsDescribedByItsTypeBecauseItsTextMayQuoteAnything) {
+  EXPECT_EQ(log::describe(std::runtime_error("Key (email_key)=(somebody@example.org)")),
+            "std::runtime_error");
+  EXPECT_EQ(log::describe(std::system_error(2, std::generic_category(), "/home/somebody")),
+            "std::system_error, generic 2");
+  EXPECT_EQ(log::describe(log::SafeError("response over 1 MB")), "response over 1 MB");
+}
+
+TEST(LogDeathTest, AnExceptionThatNobodyCatchesIsLoggedWithoutItsText) {
+  const auto ends = [] {
+    log::start("test");
+    std::thread([] { throw std::runtime_error("somebody@example.org"); }).join();
+  };
+  EXPECT_DEATH(ends(), R"(^\{[^@]*"event":"terminated","reason":"std::runtime_error"\}\s*$)");
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ enum class ErrorCode {
   kTooMany,          ///< rate limited; try later
   kUnsupported,      ///< well-formed, but not something that Diaphane does
   kUnavailable,      ///< a part that is needed is away; try again
+  kOutcomeUnknown,   ///< a part went away before it confirmed a change: it may have been made
   kOutOfMemory,      ///< device or host memory
   kDeviceLost,       ///< the accelerator's context is broken
   kInternal,         ///< a defect of ours

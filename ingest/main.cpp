@@ -6,6 +6,7 @@
 #include "common/config.h"
 #include "common/ids.h"
 #include "common/log.h"
+#include "common/postgres/address.h"
 #include "common/service/admin_server.h"
 #include "common/service/core_files.h"
 #include "common/service/signals.h"
@@ -36,7 +37,8 @@ struct Options {
   ingest::Worker::Options worker;
 };
 
-std::optional<ingest::CheckedBuilder::Options> read_antivirus(ConfigReader& in) {
+std::optional<ingest::CheckedBuilder::Options> read_antivirus(ConfigReader& in,
+                                                              bool plain_allowed) {
   ingest::CheckedBuilder::Options options;
   options.clamd.address =
       in.text("antivirus", "clamd: path of its socket, or host:port; empty: none", "");
@@ -51,7 +53,7 @@ std::optional<ingest::CheckedBuilder::Options> read_antivirus(ConfigReader& in) 
                      "longest stream for clamd, MiB; at most its StreamMaxLength", 1, 2048, 25))
       << 20;
   wire::InnerTls tls;
-  tls.plain_allowed = wire::read_plain_allowed(in);
+  tls.plain_allowed = plain_allowed;
   const std::string& address = options.clamd.address;
   if (address.empty()) return std::nullopt;
   if (!address.starts_with('/')) {
@@ -66,7 +68,8 @@ std::optional<ingest::CheckedBuilder::Options> read_antivirus(ConfigReader& in) 
 
 std::optional<int> read_options(int argc, char** argv, Options& options) {
   ConfigReader in(argc, argv);
-  options.postgres = in.text("postgres", "libpq URL");
+  const bool plain_allowed = wire::read_plain_allowed(in);
+  options.postgres = postgres::read_url(in, plain_allowed);
   options.worker.upload_dir = in.directory("upload-dir", "where uploads arrive, as <id>.tar");
   options.worker.volume_dir = in.directory("volume-dir", "the volume store");
   options.builder.scratch_dir = in.directory("scratch-dir", "for unnamed files while building");
@@ -81,7 +84,7 @@ std::optional<int> read_options(int argc, char** argv, Options& options) {
   options.lease = std::chrono::milliseconds(
       in.integer("lease-ms", "how long a job is held between renewals", 500, 600000, 5000));
   options.worker.renew = options.lease * 3 / 10;
-  options.antivirus = read_antivirus(in);
+  options.antivirus = read_antivirus(in, plain_allowed);
   options.builder.program = "/proc/self/exe";
   return in.finish("diaphane-ingestd: makes volumes of uploaded series");
 }

@@ -171,14 +171,22 @@ Response Front::serve(Admitted& admitted) const {
     const auto principal = identify(route, request);
     auto outcome = principal ? route.handler(request, *principal)
                              : Outcome<Response>(tl::unexpected(principal.error()));
+    // Nothing that was asked for has been begun, or it was only to be read: trying again is safe.
+    if (!outcome && (!principal || is_safe(request.method)) &&
+        outcome.error().kind == ProblemKind::kOutcomeUnknown) {
+      outcome = refuse(ProblemKind::kUnavailable,
+                       "The service is temporarily unavailable. Please try again in a moment.",
+                       outcome.error().retry_after);
+    }
     response =
         outcome ? *std::move(outcome) : problem_response(outcome.error(), request.request_id);
     if (principal && principal->renewed) {
       response.with("Set-Cookie", cookie(token_of(request)));
     }
-    if (response.body.size() > kMaxResponseBytes) throw std::length_error("response over 1 MB");
+    if (response.body.size() > kMaxResponseBytes) throw log::SafeError("response over 1 MB");
   } catch (const std::exception& thrown) {
-    log::error("request failed", {{"operation", route.operation}, {"reason", thrown.what()}});
+    log::error("request failed",
+               {{"operation", route.operation}, {"reason", log::describe(thrown)}});
     response = problem_response(from_error({ErrorCode::kInternal, {}, {}}), request.request_id);
   }
   response = finish(std::move(response), request);

@@ -22,6 +22,9 @@ class FrontTest : public testing::Test {
       asked_by = who;
       seen = request;
       if (request.body == "throw") throw std::runtime_error("a defect");
+      if (request.body == "in doubt") {
+        return refuse(Error{ErrorCode::kOutcomeUnknown, "It may or may not have been saved.", {}});
+      }
       Response response;
       response.content_type = "text/plain";
       response.body = request.body == "large" ? std::string(2 << 20, 'x') : "well";
@@ -112,6 +115,20 @@ TEST_F(FrontTest, ADefectBecomesADocumentThatSaysNothingOfIt) {
   EXPECT_EQ(response.status, 500);
   EXPECT_EQ(kind(response), "internal");
   EXPECT_EQ(response.body.find("defect"), std::string::npos);
+}
+
+TEST_F(FrontTest, AChangeWhoseOutcomeIsUnknownIsNoFaultAndSaysSo) {
+  const Response response = ask({"POST", "/v1/open", {}}, "in doubt");
+  EXPECT_EQ(response.status, 503);
+  EXPECT_EQ(kind(response), "outcome-unknown");
+  EXPECT_EQ(header(response, "Retry-After"), "2");
+}
+
+TEST_F(FrontTest, AReadWhoseOutcomeIsUnknownMayJustBeTriedAgain) {
+  const Response response = ask({"GET", "/v1/things/1", {{"cookie", kCookie}}}, "in doubt");
+  EXPECT_EQ(response.status, 503);
+  EXPECT_EQ(kind(response), "unavailable");
+  EXPECT_EQ(header(response, "Retry-After"), "2");
 }
 
 TEST_F(FrontTest, NoLineBreakReachesAHeader) {

@@ -82,6 +82,8 @@ ProblemForm form_of(ProblemKind kind) {
       return {"busy", 503, "Busy"};
     case ProblemKind::kUnavailable:
       return {"unavailable", 503, "A part is away"};
+    case ProblemKind::kOutcomeUnknown:
+      return {"outcome-unknown", 503, "The change may or may not have been saved"};
     case ProblemKind::kInternal:
       break;
   }

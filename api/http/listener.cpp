@@ -146,7 +146,7 @@ void Listener::Impl::receive(const http_request& message) {
         try {
           done.get();
         } catch (const std::exception& thrown) {
-          log::error("request lost", {{"reason", thrown.what()}});
+          log::error("request lost", {{"reason", log::describe(thrown)}});
         }
       });
 }
@@ -157,7 +157,7 @@ void Listener::Impl::run(const Shared& exchange) {
     exchange->admitted.request.body = {};
     reply(exchange, response);
   } catch (const std::exception& thrown) {
-    log::error("reply failed", {{"reason", thrown.what()}});
+    log::error("reply failed", {{"reason", log::describe(thrown)}});
   }
 }
 
@@ -201,7 +201,7 @@ Result<std::unique_ptr<Listener>> Listener::open(const Front& front, Executor& e
     try {
       raw->receive(message);
     } catch (const std::exception& thrown) {
-      log::error("request refused", {{"reason", thrown.what()}});
+      log::error("request refused", {{"reason", log::describe(thrown)}});
       message.reply(web::http::status_codes::InternalError).then([](const pplx::task<void>& sent) {
         try {
           sent.get();
@@ -231,7 +231,7 @@ void Listener::drain(std::chrono::milliseconds patience) {
   try {
     impl_->listener.close().get();
   } catch (const std::exception& thrown) {
-    log::warning("listener not closed in order", {{"reason", thrown.what()}});
+    log::warning("listener not closed in order", {{"reason", log::describe(thrown)}});
   }
 }
 

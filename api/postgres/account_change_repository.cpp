@@ -59,7 +59,7 @@ Result<void> AccountChangeRepository::request_reset(const std::string& email_key
 
 Result<std::optional<TokenBearer>> AccountChangeRepository::find_token(
     const std::string& token_hash, const std::string& purpose, Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::optional<TokenBearer>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::optional<TokenBearer>> {
     const pqxx::result found = transaction.exec_params(
         R"sql(
         SELECT u.id, u.email, COALESCE(t.new_email, '')
@@ -153,7 +153,7 @@ Result<bool> AccountChangeRepository::confirm_email(const std::string& token_has
 
 Result<std::vector<BrowserSession>> AccountChangeRepository::browser_sessions(
     const std::string& user_id, Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<BrowserSession>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<BrowserSession>> {
     std::vector<BrowserSession> sessions;
     for (const pqxx::row& row : transaction.exec_params(R"sql(
              SELECT id, browser, (extract(epoch FROM created_at) * 1000000)::bigint,

@@ -83,7 +83,7 @@ Result<bool> AccountRepository::verify(const std::string& token_hash, Time now) 
 }
 
 Result<std::optional<Account>> AccountRepository::find_by_email(const std::string& email_key) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::optional<Account>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::optional<Account>> {
     return read_account(transaction.exec_params(R"sql(
         SELECT id, email, password_hash, verified_at IS NOT NULL, disabled_at IS NOT NULL
           FROM users WHERE email_key = $1)sql",
@@ -92,7 +92,7 @@ Result<std::optional<Account>> AccountRepository::find_by_email(const std::strin
 }
 
 Result<std::optional<Account>> AccountRepository::find_by_id(const std::string& user_id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::optional<Account>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::optional<Account>> {
     return read_account(transaction.exec_params(R"sql(
         SELECT id, email, password_hash, verified_at IS NOT NULL, disabled_at IS NOT NULL
           FROM users WHERE id = $1::uuid)sql",
@@ -115,7 +115,7 @@ Result<void> AccountRepository::open_session(const WebSession& session) {
 
 Result<std::optional<SignedIn>> AccountRepository::find_session(const std::string& token_hash,
                                                                 Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::optional<SignedIn>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::optional<SignedIn>> {
     const pqxx::result found = transaction.exec_params(R"sql(
         SELECT s.user_id, s.csrf_token, u.email,
                (extract(epoch FROM s.created_at) * 1000000)::bigint,
@@ -165,7 +165,7 @@ Result<void> AccountRepository::close_session(const std::string& token_hash) {
 }
 
 Result<Quota> AccountRepository::quota_of(const std::string& user_id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<Quota> {
+  return database_.read([&](pqxx::work& transaction) -> Result<Quota> {
     const auto limit =
         transaction.exec_params("SELECT quota_bytes FROM users WHERE id = $1", user_id);
     if (limit.empty()) return fail(ErrorCode::kNotFound, "There is no such account.");

@@ -47,7 +47,7 @@ std::string text_or_empty(const pqxx::field& field) {
 Result<std::vector<UserRecord>> AdministrationRepository::users(const std::string& part,
                                                                 const std::optional<Cursor>& after,
                                                                 int limit, Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<UserRecord>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<UserRecord>> {
     std::vector<UserRecord> users;
     for (const pqxx::row& row :
          transaction.exec_params(std::string(kSelectUser) + R"sql(
@@ -63,7 +63,7 @@ Result<std::vector<UserRecord>> AdministrationRepository::users(const std::strin
 }
 
 Result<std::optional<UserRecord>> AdministrationRepository::user(const std::string& id, Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::optional<UserRecord>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::optional<UserRecord>> {
     const pqxx::result found = transaction.exec_params(
         std::string(kSelectUser) + " WHERE u.id = $2::uuid", to_us(now), id);
     if (found.empty()) return std::nullopt;
@@ -138,7 +138,7 @@ Result<bool> AdministrationRepository::set_administrator(const std::string& emai
 }
 
 Result<std::vector<Administrator>> AdministrationRepository::administrators() {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<Administrator>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<Administrator>> {
     std::vector<Administrator> all;
     for (const pqxx::row& row : transaction.exec(R"sql(
              SELECT u.email, f.confirmed_at IS NOT NULL
@@ -158,7 +158,7 @@ Result<void> AdministrationRepository::note(const AuditEntry& entry, Time now) {
 }
 
 Result<std::vector<AuditRecord>> AdministrationRepository::audit(const AuditFilter& filter) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<AuditRecord>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<AuditRecord>> {
     const auto us = [](const std::optional<Time>& time, std::int64_t otherwise) {
       return time ? to_us(*time) : otherwise;
     };
@@ -189,7 +189,7 @@ Result<std::vector<AuditRecord>> AdministrationRepository::audit(const AuditFilt
 }
 
 Result<IngestQueue> AdministrationRepository::ingest_queue() {
-  return database_.transact([&](pqxx::work& transaction) -> Result<IngestQueue> {
+  return database_.read([&](pqxx::work& transaction) -> Result<IngestQueue> {
     const pqxx::row row = transaction.exec1(R"sql(
         SELECT count(*) FILTER (WHERE state = 'queued')::int, count(*) FILTER (WHERE state = 'building')::int
           FROM data_sets WHERE state IN ('queued', 'building'))sql");
@@ -247,7 +247,7 @@ Result<std::vector<std::string>> RenderTimeRepository::warned(Time now, Time fro
 }
 
 Result<RenderAccount> RenderTimeRepository::account(const std::string& user_id, Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<RenderAccount> {
+  return database_.read([&](pqxx::work& transaction) -> Result<RenderAccount> {
     const pqxx::result found = transaction.exec_params(
         R"sql(
         WITH month AS (SELECT date_trunc('month', to_timestamp($2::bigint / 1e6) AT TIME ZONE 'UTC') AS first)

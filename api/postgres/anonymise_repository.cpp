@@ -5,7 +5,7 @@
 namespace diaphane::api {
 
 Result<CutFacts> CutRepository::facts(const std::string& data_set_id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<CutFacts> {
+  return database_.read([&](pqxx::work& transaction) -> Result<CutFacts> {
     const pqxx::result rows = transaction.exec_params(
         "SELECT COALESCE(head::text, ''), COALESCE(cut_problem, '') FROM data_sets WHERE id = $1",
         data_set_id);

@@ -121,7 +121,7 @@ Result<void> DataSetRepository::remove(const Owner& owner, const std::string& id
 }
 
 Result<Upload> DataSetRepository::find_upload(const Owner& owner, const std::string& id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<Upload> {
+  return database_.read([&](pqxx::work& transaction) -> Result<Upload> {
     // An expired one has no row in `uploads` any more, but its owner is told what became of it.
     const pqxx::result rows = transaction.exec_params(R"sql(
         SELECT d.state, COALESCE(u.length, 0), COALESCE(u.received, 0),
@@ -212,7 +212,7 @@ constexpr std::array<std::pair<Disposal::Kind, const char*>, 5> kDisposals{
 }  // namespace
 
 Result<std::vector<Disposal>> DataSetRepository::disposals(int limit) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<Disposal>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<Disposal>> {
     std::vector<Disposal> found;
     for (const auto& [kind, name] : kDisposals) {
       const pqxx::result rows = transaction.exec_params(

@@ -7,15 +7,9 @@
 namespace diaphane::api {
 namespace {
 
-constexpr auto kPatience = std::chrono::seconds(3);
-
-std::string with_connect_timeout(const std::string& url) {
-  if (url.find("://") == std::string::npos) {
-    return url + " connect_timeout=2 application_name=diaphane-api";
-  }
-  return url + (url.find('?') == std::string::npos ? "?" : "&") +
-         "connect_timeout=2&application_name=diaphane-api";
-}
+/// Connecting takes milliseconds, and a server that refuses does so at once. What took longer than
+/// this was a server that did not answer.
+constexpr auto kConnectingIsSilence = std::chrono::milliseconds(900);
 
 bool starts_with_any(std::string_view state, std::initializer_list<std::string_view> prefixes) {
   for (const std::string_view prefix : prefixes) {
@@ -33,28 +27,19 @@ std::int64_t to_us(Time time) {
 Time from_us(std::int64_t us) { return Time(std::chrono::microseconds(us)); }
 
 Database::Database(std::string url, int connections)
-    : url_(with_connect_timeout(url)), limit_(static_cast<std::size_t>(connections)) {}
+    : url_(std::move(url)), limit_(static_cast<std::size_t>(connections)) {}
 
-std::unique_ptr<pqxx::connection> Database::connect() const {
-  auto connection = std::make_unique<pqxx::connection>(url_);
-  // libpqxx 6 would quietly open a lost connection anew, without the settings below. (Deprecated
-  // because 7 no longer does that.)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
-  connection->inhibit_reactivation(true);
-#pragma GCC diagnostic pop
-  pqxx::nontransaction settings(*connection);
-  settings.exec(
-      "SET statement_timeout = '10s'; SET lock_timeout = '5s';"
-      "SET idle_in_transaction_session_timeout = '30s'");
-  return connection;
-}
-
-Database::Lease::Lease(Database& database) : database_(database) {
+Database::Lease::Lease(Database& database, std::chrono::milliseconds patience)
+    : database_(database) {
   std::unique_lock lock(database_.mutex_);
-  granted_ = database_.freed_.wait_for(lock, kPatience,
-                                       [&] { return database_.leased_ < database_.limit_; });
-  if (!granted_) return;
+  const bool free = database_.freed_.wait_for(
+      lock, patience, [&] { return database_.silent_ || database_.leased_ < database_.limit_; });
+  if (!free || database_.leased_ >= database_.limit_) return;
+  if (database_.silent_) {
+    if (database_.probing_) return;
+    database_.probing_ = probe_ = true;
+  }
+  granted_ = true;
   ++database_.leased_;
   if (!database_.idle_.empty()) {
     connection_ = std::move(database_.idle_.back());
@@ -68,58 +53,114 @@ Database::Lease::~Lease() {
   {
     const std::lock_guard lock(database_.mutex_);
     --database_.leased_;
+    if (probe_) database_.probing_ = false;
+    if (answered_ && database_.silent_) {
+      database_.silent_ = false;
+      log::info("postgres_answers_again");
+    }
     if (connection_) database_.idle_.push_back(std::move(connection_));
   }
   database_.freed_.notify_one();
 }
 
+void Database::Lease::silent() {
+  discard();
+  std::vector<std::unique_ptr<pqxx::connection>> in_doubt;  // closed outside the lock
+  {
+    const std::lock_guard lock(database_.mutex_);
+    if (!database_.silent_) log::warning("postgres_is_silent");
+    database_.silent_ = true;
+    in_doubt.swap(database_.idle_);
+  }
+  database_.freed_.notify_all();  // nobody waits for a connection any longer
+}
+
 pqxx::connection& Database::Lease::connection() {
-  if (!connection_) connection_ = database_.connect();
+  if (connection_) return *connection_;
+  const auto begun = std::chrono::steady_clock::now();
+  try {
+    connection_ = postgres::connect(database_.url_, "api", kPatience, database_.deadlines_);
+  } catch (const pqxx::broken_connection&) {
+    if (std::chrono::steady_clock::now() - begun > kConnectingIsSilence) silent();
+    throw;
+  }
   return *connection_;
 }
 
-Database::Mishap Database::judge(Lease& lease) {
+Database::Mishap Database::judge(Lease& lease, CallSite where) {
   try {
     throw;
   } catch (const pqxx::broken_connection&) {
     lease.discard();
     return Mishap::kAway;
   } catch (const pqxx::in_doubt_error&) {
-    // It may have been committed: never run again. The caller says "away" and the client asks how
-    // things stand.
+    // It may have been committed: never run again.
     lease.discard();
-    log::warning("a commit is in doubt");
-    return Mishap::kDefect;
+    log::warning("commit_in_doubt");
+    return Mishap::kInDoubt;
+  } catch (const pqxx::statement_completion_unknown&) {
+    lease.discard();
+    log::warning("commit_in_doubt");
+    return Mishap::kInDoubt;
   } catch (const pqxx::transaction_rollback&) {
+    lease.answered();
     return Mishap::kAgain;
+  } catch (const pqxx::unexpected_rows&) {
+    // A row that was certain to be there has been deleted since, with the account for instance.
+    lease.answered();
+    return Mishap::kConflict;
   } catch (const pqxx::sql_error& error) {
-    // Shutting down or starting up (57P0x), out of connections, memory or disk (53), connection
-    // (08), too slow (57014, 55P03).
-    if (starts_with_any(error.sqlstate(), {"57", "53", "08", "55P03"})) {
+    lease.answered();
+    // Shutting down or starting up (57P0x), out of connections, memory or disk (53), the disk is
+    // broken (58), connection (08), too slow (57014, 55P03), idle for too long (25P03), a standby
+    // (25006).
+    if (starts_with_any(error.sqlstate(), {"57", "53", "58", "08", "55P03", "25P03", "25006"})) {
       lease.discard();
       return Mishap::kAway;
     }
-    log::error("SQL error", {{"sqlstate", error.sqlstate()}});
-    return Mishap::kDefect;
+    const postgres::SqlFault fault(error, where);
+    // Two transactions at the same time: each saw that it may, and the second one broke a
+    // constraint. Run again, it sees what the first one did.
+    if (starts_with_any(error.sqlstate(), {"23503", "23505", "23514"})) {
+      log::info("sql_conflict", {{"reason", fault.what()}});
+      return Mishap::kConflict;
+    }
+    throw fault;
   }
 }
 
-tl::unexpected<Error> Database::away() {
-  return fail(ErrorCode::kUnavailable, "The database is away just now; try again shortly.");
+tl::unexpected<Error> Database::not_granted() {
+  const std::lock_guard lock(mutex_);
+  if (silent_) return away();
+  return fail(ErrorCode::kUnavailable, "The service is busy. Please try again in a moment.");
 }
 
-tl::unexpected<Error> Database::all_in_use() {
-  return fail(ErrorCode::kUnavailable, "Too much is going on just now; try again shortly.");
+tl::unexpected<Error> Database::away() {
+  return fail(ErrorCode::kUnavailable,
+              "The service is temporarily unavailable. Please try again in a moment.");
+}
+
+tl::unexpected<Error> Database::outcome_unknown() {
+  return fail(ErrorCode::kOutcomeUnknown,
+              "The connection to the database was lost while your change was being saved. It may "
+              "or may not have been saved. Check before you try again.");
+}
+
+tl::unexpected<Error> Database::conflict(CallSite where) {
+  log::error("sql_conflict_stays", {{"transaction", postgres::to_string(where)}});
+  return fail(ErrorCode::kConflict,
+              "Something that this needs was changed or deleted at the same time. Reload and try "
+              "again.");
 }
 
 bool Database::reachable() {
+  const auto ask = [](pqxx::work& transaction) -> Result<void> {
+    transaction.exec("SELECT 1");
+    return {};
+  };
   try {
-    return transact([](pqxx::work& transaction) -> Result<void> {
-             transaction.exec("SELECT 1");
-             return {};
-           })
-        .has_value();
-  } catch (...) {
+    return run(ask, false, kProbe, CallSite::current()).has_value();
+  } catch (const std::exception&) {
     return false;
   }
 }

@@ -7,6 +7,8 @@
 #include <set>
 #include <sstream>
 
+#include "common/postgres/sql_fault.h"
+
 namespace diaphane::api {
 namespace {
 
@@ -48,6 +50,8 @@ Result<std::vector<std::string>> migrate(const std::string& url, const std::stri
   std::string current;
   try {
     pqxx::connection connection(url);
+    // Without DETAIL, which quotes rows: "Key (email_key)=(...) is duplicated."
+    connection.set_verbosity(pqxx::connection_base::terse);
     std::set<std::string> applied;
     {
       pqxx::nontransaction session(connection);
@@ -86,8 +90,15 @@ Result<std::vector<std::string>> migrate(const std::string& url, const std::stri
     return todo;
   } catch (const pqxx::broken_connection& error) {
     return fail(ErrorCode::kUnavailable, std::string("the database is away: ") + error.what());
+  } catch (const pqxx::sql_error& error) {
+    // What is wrong with the text of a migration (class 42) quotes nothing but that text.
+    const bool of_text = error.sqlstate().starts_with("42");
+    return fail(ErrorCode::kInvalid,
+                "migration " + current + ": " +
+                    (of_text ? std::string(error.what())
+                             : postgres::SqlFault(error, postgres::CallSite::current()).what()));
   } catch (const pqxx::failure& error) {
-    return fail(ErrorCode::kInvalid, "migration " + current + ": " + error.what());
+    return fail(ErrorCode::kInvalid, "migration " + current + ": " + log::describe(error));
   }
 }
 

@@ -54,7 +54,7 @@ tl::unexpected<Error> why_not(pqxx::work& transaction, const std::string& id) {
 
 Result<std::vector<Preset>> PresetRepository::list(const std::string& data_set_id,
                                                    const std::string& viewer_id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<Preset>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<Preset>> {
     const pqxx::result rows = transaction.exec_params(std::string(kColumns) + kTables + R"sql(
          WHERE p.data_set_id = $2
          ORDER BY is_default DESC, votes DESC, p.created_at, p.id)sql",
@@ -66,7 +66,7 @@ Result<std::vector<Preset>> PresetRepository::list(const std::string& data_set_i
 }
 
 Result<Preset> PresetRepository::find(const std::string& id, const std::string& viewer_id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<Preset> {
+  return database_.read([&](pqxx::work& transaction) -> Result<Preset> {
     const pqxx::result rows =
         transaction.exec_params(std::string(kColumns) + ", p.scene, COALESCE(p.kept_xml, '')" +
                                     kTables + " WHERE p.id = $2",
@@ -167,7 +167,7 @@ Result<void> PresetRepository::set_default(const std::string& data_set_id,
 }
 
 Result<std::string> PresetRepository::default_scene(const std::string& data_set_id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::string> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::string> {
     const pqxx::result rows = transaction.exec_params(
         R"sql(
         SELECT p.scene FROM data_sets d JOIN presets p ON p.id = d.default_preset_id

@@ -68,7 +68,7 @@ Result<bool> PrivacyRepository::request(const std::string& user_id, const Export
 }
 
 Result<std::optional<Export>> PrivacyRepository::find(const std::string& user_id, Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::optional<Export>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::optional<Export>> {
     const pqxx::result found = transaction.exec_params(
         R"sql(
         SELECT id, state, COALESCE(bytes, 0), (extract(epoch FROM created_at) * 1000000)::bigint,
@@ -120,7 +120,7 @@ Result<std::optional<ExportStore::Job>> PrivacyRepository::claim(Time now,
 }
 
 Result<std::vector<ExportSection>> PrivacyRepository::sections(const std::string& user_id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<ExportSection>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<ExportSection>> {
     std::vector<ExportSection> sections;
     sections.push_back(rows(transaction, {"users", "id"}, "t.id = $1::uuid", user_id));
     for (const Belonging& of : belongings(transaction, "users", false)) {
@@ -150,7 +150,7 @@ Result<std::vector<ExportSection>> PrivacyRepository::sections(const std::string
 }
 
 Result<std::vector<std::string>> PrivacyRepository::volumes(const std::string& user_id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<std::string>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<std::string>> {
     std::vector<std::string> ids;
     for (const pqxx::row& row :
          transaction.exec_params("SELECT id FROM data_sets WHERE owner_id = $1::uuid AND state = "
@@ -163,7 +163,7 @@ Result<std::vector<std::string>> PrivacyRepository::volumes(const std::string& u
 }
 
 Result<std::vector<ExportStore::Picture>> PrivacyRepository::pictures(const std::string& user_id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<Picture>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<Picture>> {
     std::vector<Picture> found;
     for (const pqxx::row& row : transaction.exec_params(
              R"sql(

@@ -19,7 +19,7 @@ tl::unexpected<Error> none() { return fail(ErrorCode::kNotFound, "There is no su
 }  // namespace
 
 Result<bool> RecordingRepository::consent(const std::string& user_id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
+  return database_.read([&](pqxx::work& transaction) -> Result<bool> {
     const auto rows = transaction.exec_params(
         "SELECT recording_consent_at IS NOT NULL FROM users WHERE id = $1::uuid", user_id);
     return !rows.empty() && rows[0][0].as<bool>();
@@ -66,7 +66,7 @@ Result<void> RecordingRepository::add(const std::string& user_id, const Recordin
 }
 
 Result<std::vector<Recording>> RecordingRepository::of(const std::string& user_id, Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<Recording>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<Recording>> {
     std::vector<Recording> recordings;
     for (const pqxx::row& row : transaction.exec_params(R"sql(
              SELECT id, '', events, duration_ms, (extract(epoch FROM created_at) * 1000000)::bigint,
@@ -83,7 +83,7 @@ Result<std::vector<Recording>> RecordingRepository::of(const std::string& user_i
 
 Result<Recording> RecordingRepository::find(const std::string& user_id, const std::string& id,
                                             Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<Recording> {
+  return database_.read([&](pqxx::work& transaction) -> Result<Recording> {
     const auto rows = transaction.exec_params(R"sql(
         SELECT id, body, events, duration_ms, (extract(epoch FROM created_at) * 1000000)::bigint,
                (extract(epoch FROM expires_at) * 1000000)::bigint

@@ -28,7 +28,7 @@ void take_away(pqxx::work& transaction, const std::string& user_id) {
 }  // namespace
 
 Result<std::optional<SecondFactor>> SecondFactorRepository::find(const std::string& user_id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::optional<SecondFactor>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::optional<SecondFactor>> {
     const pqxx::result found = transaction.exec_params(
         R"sql(
         SELECT sealed_secret, (extract(epoch FROM begun_at) * 1000000)::bigint,

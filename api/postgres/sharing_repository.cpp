@@ -18,7 +18,7 @@ bool lock_data_set(pqxx::work& transaction, const std::string& id) {
 }  // namespace
 
 Result<std::vector<SharedPerson>> SharingRepository::people(const std::string& data_set_id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<SharedPerson>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<SharedPerson>> {
     const pqxx::result rows = transaction.exec_params(
         R"sql(
         SELECT id, email_key, may_save, (extract(epoch FROM created_at) * 1000000)::bigint
@@ -75,7 +75,7 @@ Result<void> SharingRepository::unshare(const std::string& data_set_id,
 
 Result<std::vector<DataSetLink>> SharingRepository::links(const std::string& data_set_id,
                                                           Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<DataSetLink>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<DataSetLink>> {
     const pqxx::result rows = transaction.exec_params(
         R"sql(
         SELECT id, (extract(epoch FROM created_at) * 1000000)::bigint,
@@ -142,7 +142,7 @@ Result<void> SharingRepository::end_link(const std::string& data_set_id,
 }
 
 Result<SharingStore::Followed> SharingRepository::follow(const std::string& token_hash, Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<Followed> {
+  return database_.read([&](pqxx::work& transaction) -> Result<Followed> {
     const pqxx::result rows = transaction.exec_params(
         R"sql(
         SELECT l.id, (extract(epoch FROM l.created_at) * 1000000)::bigint,
@@ -191,7 +191,7 @@ Result<void> SharingRepository::make_private(const std::string& data_set_id, Tim
 
 Result<std::vector<DataSet>> SharingRepository::gallery(const Viewer& viewer,
                                                         const GalleryQuestion& question) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<DataSet>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<DataSet>> {
     const auto& after = question.after;
     // Each word is the beginning of one. Blanks and punctuation part them, so none is an operator.
     const pqxx::result rows = transaction.exec_params(
@@ -214,7 +214,7 @@ Result<std::vector<DataSet>> SharingRepository::gallery(const Viewer& viewer,
 }
 
 Result<std::string> SharingRepository::public_name(const std::string& user_id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::string> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::string> {
     const pqxx::result rows =
         transaction.exec_params("SELECT public_name FROM users WHERE id = $1", user_id);
     if (rows.empty()) return none("There is no such account.");
@@ -260,7 +260,7 @@ Result<Visit> SharingRepository::note_visit(const Visit& visit, int most, Time n
 }
 
 Result<Visit> SharingRepository::find_visit(const std::string& session_id, Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<Visit> {
+  return database_.read([&](pqxx::work& transaction) -> Result<Visit> {
     const pqxx::result rows = transaction.exec_params(
         R"sql(
         SELECT v.data_set_id, COALESCE(v.link_id::text, ''),
@@ -276,7 +276,7 @@ Result<Visit> SharingRepository::find_visit(const std::string& session_id, Time 
 }
 
 Result<std::vector<std::string>> SharingRepository::expired_visits(Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<std::string>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<std::string>> {
     std::vector<std::string> over;
     for (const pqxx::row& row : transaction.exec_params(
              "SELECT session_id FROM visits WHERE expires_at <= to_timestamp($1::bigint / 1e6)",

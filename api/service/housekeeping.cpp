@@ -109,7 +109,7 @@ void Periodic::run() {
     try {
       work_();
     } catch (const std::exception& thrown) {
-      log::error("background work failed", {{"work", name_}, {"reason", thrown.what()}});
+      log::error("background work failed", {{"work", name_}, {"reason", log::describe(thrown)}});
     }
     lock.lock();
     changed_.wait_for(lock, period_, [this] { return stopping_ || woken_; });

@@ -25,6 +25,8 @@ ProblemKind kind_of(ErrorCode code) {
     case ErrorCode::kOutOfMemory:
     case ErrorCode::kDeviceLost:
       return ProblemKind::kUnavailable;
+    case ErrorCode::kOutcomeUnknown:
+      return ProblemKind::kOutcomeUnknown;
     case ErrorCode::kInternal:
       return ProblemKind::kInternal;
   }
@@ -45,7 +47,9 @@ Problem from_error(const Error& error) {
   if (problem.kind == ProblemKind::kInternal) {
     problem.detail = "Something went wrong here; it has been noted.";
   }
-  if (problem.kind == ProblemKind::kUnavailable) problem.retry_after = std::chrono::seconds(2);
+  if (problem.kind == ProblemKind::kUnavailable || problem.kind == ProblemKind::kOutcomeUnknown) {
+    problem.retry_after = std::chrono::seconds(2);
+  }
   if (problem.kind == ProblemKind::kTooMany) problem.retry_after = std::chrono::seconds(10);
   if (!error.field.empty()) problem.fields.push_back({error.field, error.message});
   return problem;

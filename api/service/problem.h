@@ -50,6 +50,7 @@ enum class ProblemKind {
   kNoWorker,
   kBusy,
   kUnavailable,
+  kOutcomeUnknown,
   kInternal,
 };
 

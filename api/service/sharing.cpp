@@ -193,7 +193,10 @@ void Sharing::end_lost_sessions(const std::string& id) {
     person.user_id = session.user_id;
     const auto still = parts_.data_sets.find_ready(person, id);
     if (still) continue;
-    if (still.error().kind == ProblemKind::kUnavailable) return failed();
+    if (still.error().kind == ProblemKind::kUnavailable ||
+        still.error().kind == ProblemKind::kOutcomeUnknown) {
+      return failed();
+    }
     if (parts_.store.find_visit(session.id, parts_.clock.wall())) continue;
     if (!parts_.placement.end(session.id)) failed();
   }

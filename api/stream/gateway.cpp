@@ -132,7 +132,7 @@ struct Gateway::Impl {
             return;
           } catch (const std::exception& failure) {
             // One connection's handler; the others go on.
-            log::error("stream_handler_failed", {{"what", failure.what()}});
+            log::error("stream_handler_failed", {{"what", log::describe(failure)}});
           }
         }
       });

@@ -5,22 +5,12 @@
 
 #include "common/ids.h"
 #include "common/log.h"
+#include "common/postgres/connection.h"
+#include "common/postgres/sql_fault.h"
 #include "ingest/pipeline/moved_scene.h"
 
 namespace diaphane::ingest {
 namespace {
-
-std::string with_settings(const std::string& url) {
-  const std::string settings[] = {"connect_timeout=2", "application_name=diaphane-ingestd",
-                                  "keepalives_idle=5"};
-  const bool is_url = url.find("://") != std::string::npos;
-  std::string all = url;
-  for (const std::string& setting : settings) {
-    all += !is_url ? " " : all.find('?') == std::string::npos ? "?" : "&";
-    all += setting;
-  }
-  return all;
-}
 
 const char* name_of(volume::Modality modality) {
   switch (modality) {
@@ -77,30 +67,33 @@ std::string array_of(const std::vector<std::string>& texts) {
 }  // namespace
 
 struct PostgresJobs::Impl {
+  Impl(std::string url_, std::string claimer_, double lease_seconds_)
+      : url(std::move(url_)), claimer(std::move(claimer_)), lease_seconds(lease_seconds_) {}
+
+  static constexpr postgres::Patience kPatience{};
   std::string url;
   std::string claimer;
   double lease_seconds;
-  std::unique_ptr<pqxx::connection> connection;
-  std::string last_state;  ///< of the last SQL error: each kind is said once in a row
+  SocketDeadlines deadlines{};  ///< outlives the connection
+  std::unique_ptr<pqxx::connection> connection{};
+  std::string last_state{};  ///< of the last SQL error: each kind is said once in a row
 
   pqxx::connection& connected() {
     if (connection) return *connection;
-    connection = std::make_unique<pqxx::connection>(url);
-    // libpqxx 6 would quietly open a lost connection anew, without the settings. (7 no longer
-    // does.)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
-    connection->inhibit_reactivation(true);
-#pragma GCC diagnostic pop
-    pqxx::nontransaction(*connection).exec("SET statement_timeout = '5s'; SET lock_timeout = '3s'");
+    connection = postgres::connect(url, "ingestd", kPatience, deadlines);
     return *connection;
   }
 
-  /// Runs `work` in a transaction of its own and commits it.
+  /// Runs `work` in a transaction of its own and commits it. Ends within seconds, also when
+  /// Postgres is frozen.
   template <typename Work>
-  auto transact(Work work) -> Result<decltype(work(std::declval<pqxx::work&>()))> {
+  auto transact(Work work, postgres::CallSite where = postgres::CallSite::current())
+      -> Result<decltype(work(std::declval<pqxx::work&>()))> {
     try {
-      pqxx::work transaction(connected());
+      pqxx::connection& used = connected();
+      const SocketDeadlines::Guard guard(deadlines, used.sock(),
+                                         std::chrono::steady_clock::now() + kPatience.answer);
+      pqxx::work transaction(used);
       auto value = work(transaction);
       transaction.commit();
       return value;
@@ -111,7 +104,9 @@ struct PostgresJobs::Impl {
       const std::string& state = error.sqlstate();
       const bool passing = state.starts_with("57") || state.starts_with("53") ||
                            state.starts_with("08") || state.starts_with("40") || state == "55P03";
-      if (!passing && state != last_state) log::error("sql_error", {{"sqlstate", state}});
+      if (!passing && state != last_state) {
+        log::error("sql_error", {{"reason", postgres::SqlFault(error, where).what()}});
+      }
       last_state = state;
     } catch (const pqxx::failure&) {
     }
@@ -139,11 +134,8 @@ struct PostgresJobs::Impl {
 };
 
 PostgresJobs::PostgresJobs(std::string url, std::string claimer, std::chrono::milliseconds lease)
-    : impl_(std::make_unique<Impl>(Impl{with_settings(url),
-                                        std::move(claimer),
-                                        static_cast<double>(lease.count()) / 1000,
-                                        nullptr,
-                                        {}})) {}
+    : impl_(std::make_unique<Impl>(std::move(url), std::move(claimer),
+                                   static_cast<double>(lease.count()) / 1000)) {}
 PostgresJobs::~PostgresJobs() = default;
 
 Result<std::optional<Job>> PostgresJobs::claim() {

@@ -47,6 +47,7 @@ StatusName status_of(ErrorCode code) {
     case ErrorCode::kOutOfMemory:
       return {grpc::StatusCode::RESOURCE_EXHAUSTED, "resource_exhausted"};
     case ErrorCode::kUnavailable:
+    case ErrorCode::kOutcomeUnknown:
     case ErrorCode::kDeviceLost:
       return {grpc::StatusCode::UNAVAILABLE, "unavailable"};
     case ErrorCode::kInternal:

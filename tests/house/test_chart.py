@@ -34,6 +34,7 @@ def test_templates_set_only_settings_that_programs_read():
     for template, files in programs.items():
         text = "".join((REPO / file).read_text(encoding="utf-8") for file in files)
         read = {name.upper().replace("-", "_") for name in re.findall(r'in\.\w+\(\s*"([a-z-]+)"', text)}
+        read |= {"POSTGRES"} if "postgres::read_url(in" in text else set()
         read |= {"INNER_PLAIN"} if "wire::read_plain_allowed(in)" in text else set()
         given = set(re.findall(r"name: DIAPHANE_([A-Z_]+)", (CHART / "templates" / template).read_text(encoding="utf-8")))
         assert given and given <= read, f"{template}: {given - read}"

@@ -83,13 +83,15 @@ def test_a_picture_comes_over_tls_to_redis_and_renderd_and_nobody_else_gets_in(s
 @pytest.mark.parametrize(("program", "setting", "value"), [
     ("api", "redis", "10.0.0.1:6379"), ("renderd", "redis", "redis.example.org:6379"), ("renderd", "grpc-address", "0.0.0.0"),
     ("renderd", "assist", "10.0.0.2:8085"), ("api", "redis", "rediss://127.0.0.1:6379"),
+    *((program, "postgres", "postgresql://u:p@db.example.org/d?sslmode=require") for program in ("api", "ingestd", "api migrate up", "api admin list")),
 ])
 def test_another_machine_is_not_reached_without_tls_unless_somebody_says_so(stack_house, tmp_path, program, setting, value):
-    binary = stack_house.layout().bin / f"diaphane-{program}"
+    name, *command = program.split()
+    binary = stack_house.layout().bin / f"diaphane-{name}"
 
     def said(*more: str) -> str:
         """The mistakes of settings; those that are missing are among them, so that nothing starts."""
-        return subprocess.run([str(binary), f"--{setting}", value, *more], capture_output=True, text=True, env={}, timeout=60).stderr
+        return subprocess.run([str(binary), *command, f"--{setting}", value, *more], capture_output=True, text=True, env={}, timeout=60).stderr
 
     words = "rediss:// needs --inner-tls-ca" if value.startswith("rediss") else "there is no TLS to it"
     assert words in said()

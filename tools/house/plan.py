@@ -95,8 +95,10 @@ def _postgres(s: Settings) -> Program:
     argv = [str(POSTGRES_BIN / "postgres"), "-D", str(s.data / "postgres"), "-p", str(s.ports["postgres"]),
             "-c", "listen_addresses=127.0.0.1", "-c", f"unix_socket_directories={s.socket_dir}",
             "-c", "logging_collector=off", "-c", "max_connections=60", "-c", "log_line_prefix=%m ",
-            # Statements and their parameters never reach the log: they hold people's addresses.
-            "-c", "log_min_error_statement=panic", "-c", "log_parameter_max_length_on_error=0"]
+            # Neither statements and their parameters nor the DETAIL of an error, which quotes rows, reach the log:
+            # they hold people's addresses.
+            "-c", "log_min_error_statement=panic", "-c", "log_parameter_max_length_on_error=0",
+            "-c", "log_error_verbosity=terse"]
     if not s.durable:
         argv += ["-c", "fsync=off", "-c", "full_page_writes=off"]
     return Program(

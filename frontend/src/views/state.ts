@@ -74,6 +74,8 @@ export function problem_text(problem: ApiProblem): string {
     case "busy":
     case "unavailable":
       return t.problems.busy;
+    case "outcome-unknown":
+      return t.problems.outcome_unknown;
     case "internal":
       return t.problems.internal;
     default:

@@ -64,6 +64,29 @@ helm.sh/chart: {{ printf "%s-%s" (index . 0).Chart.Name (index . 0).Chart.Versio
 {{- end }}
 {{- end -}}
 
+{{/* The authority that signed Postgres's certificate, which libpq reads by this variable; `postgresCaMounts` and `postgresCaVolumes` go with it. */}}
+{{- define "diaphane.postgresCa" -}}
+{{- if .Values.postgres.caSecretName }}
+- {name: PGSSLROOTCERT, value: /postgres-ca/ca.crt}
+{{- end }}
+{{- end -}}
+
+{{- define "diaphane.postgresCaMounts" -}}
+{{- if .Values.postgres.caSecretName }}
+- {name: postgres-ca, mountPath: /postgres-ca, readOnly: true}
+{{- end }}
+{{- end -}}
+
+{{- define "diaphane.postgresCaVolumes" -}}
+{{- with .Values.postgres.caSecretName }}
+- name: postgres-ca
+  secret:
+    secretName: {{ . }}
+    defaultMode: 0440
+    items: [{key: ca.crt, path: ca.crt}]
+{{- end }}
+{{- end -}}
+
 {{- define "diaphane.redisPort" -}}
 {{ include "diaphane.redis" . | splitList ":" | last }}
 {{- end -}}

@@ -4,6 +4,7 @@ export const problems: Texts["problems"] = {
   offline: "Diaphane ist nicht erreichbar. Prüfen Sie Ihre Verbindung und versuchen Sie es noch einmal.",
   unreachable: "Diaphane ist nicht erreichbar. Es wird weiter versucht …",
   busy: "Diaphane ist gerade ausgelastet. Versuchen Sie es gleich noch einmal.",
+  outcome_unknown: "Die Verbindung ist beim Speichern abgebrochen. Laden Sie die Seite neu, um zu sehen, ob die Änderung gespeichert wurde.",
   internal: "Bei uns ist etwas schiefgegangen. Versuchen Sie es gleich noch einmal.",
   wrong_credentials: "Diese Adresse und dieses Passwort gehören nicht zusammen.",
   unverified: "Diese Adresse ist noch nicht bestätigt. Öffnen Sie den Link in der E-Mail, die wir Ihnen geschickt haben.",

@@ -3,6 +3,7 @@ export const problems = {
   offline: "Diaphane cannot be reached. Check your connection and try again.",
   unreachable: "Diaphane cannot be reached. Trying again…",
   busy: "Diaphane is busy. Try again in a moment.",
+  outcome_unknown: "The connection was lost while your change was being saved. Reload the page to see whether it was saved.",
   internal: "Something went wrong on our side. Try again in a moment.",
   wrong_credentials: "This address and password do not belong together.",
   unverified: "This address is not confirmed yet. Open the link in the mail that we sent you.",
