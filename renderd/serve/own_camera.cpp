@@ -55,13 +55,21 @@ void LiveSession::change_camera(std::uint64_t connection, bool own) {
     } else if (own) {
       const auto there = (*made)->attach(link->second, {receiver->participant, receiver->name, {}},
                                          (*made)->placement());
-      branches_[connection] = {*made, there.value_or(0)};
-      use_own_camera(state_, *receiver, true, parts_.clock.now());
-      v1::ClientMessage greeting;
-      *greeting.mutable_hello() = *receiver->hello;
-      (*made)->receive(*there, greeting.SerializeAsString());
-      close_unused_lanes();
-      tell_audience();
+      if (there) {
+        branches_[connection] = {*made, *there};
+        use_own_camera(state_, *receiver, true, parts_.clock.now());
+        v1::ClientMessage greeting;
+        *greeting.mutable_hello() = *receiver->hello;
+        (*made)->receive(*there, greeting.SerializeAsString());
+        close_unused_lanes();
+        tell_audience();
+      } else {
+        // The private session takes nobody: the viewer stays with the group's picture.
+        unused = *made;
+        v1::ServerMessage message;
+        *message.mutable_problem() = problem_of(there.error(), 0, false);
+        send(connection, message);
+      }
     } else {
       use_own_camera(state_, *receiver, false, parts_.clock.now());
       if (open_lane(receiver->codec)) send_config(connection);
