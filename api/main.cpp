@@ -1,5 +1,4 @@
 // diaphane-api: the REST API. Wiring only.
-#include <malloc.h>
 #include <sodium.h>
 
 #include <atomic>
@@ -41,6 +40,7 @@
 #include "common/postgres/address.h"
 #include "common/service/admin_server.h"
 #include "common/service/core_files.h"
+#include "common/service/freed_memory.h"
 #include "common/service/signals.h"
 #include "common/wire/inner_tls.h"
 #include "volume/store.h"
@@ -314,10 +314,9 @@ int serve(const Settings& settings, service::StopSignal& stop) {
 }  // namespace diaphane::api
 
 int main(int argc, char** argv) {
-  // Parts of uploads and the 19 MB of a password's hash go back to the system when they are freed.
-  // By itself the library raises this bound, and each thread keeps the largest that it ever had.
-  mallopt(M_MMAP_THRESHOLD, 1 << 20);
   using namespace diaphane;
+  // Parts of uploads, slices and pictures, and the 19 MB of a password's hash.
+  service::overwrite_freed_memory();
   if (sodium_init() < 0) return 70;
   service::forbid_core_files();
   ConfigReader in(argc, argv);

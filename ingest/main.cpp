@@ -9,6 +9,7 @@
 #include "common/postgres/address.h"
 #include "common/service/admin_server.h"
 #include "common/service/core_files.h"
+#include "common/service/freed_memory.h"
 #include "common/service/signals.h"
 #include "common/wire/inner_tls.h"
 #include "ingest/metrics.h"
@@ -137,6 +138,7 @@ int serve(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  service::overwrite_freed_memory();
   service::forbid_core_files();
   if (argc > 1 && std::string(argv[1]) == ingest::kChildWord) {
     return ingest::run_child_with({argv + 2, argv + argc});

@@ -17,6 +17,8 @@
 #include "common/ids.h"
 #include "common/log.h"
 #include "common/service/admin_server.h"
+#include "common/service/core_files.h"
+#include "common/service/freed_memory.h"
 #include "common/service/signals.h"
 #include "common/wire/inner_tls.h"
 #include "renderd/composite/composite_engine.h"
@@ -403,4 +405,9 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace diaphane::render
 
-int main(int argc, char** argv) { return diaphane::render::run(argc, argv); }
+int main(int argc, char** argv) {
+  // Voxels: of volumes that were let go of, and of slices and pictures that were sent.
+  diaphane::service::overwrite_freed_memory();
+  diaphane::service::forbid_core_files();
+  return diaphane::render::run(argc, argv);
+}
