@@ -244,6 +244,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     (void)volume::sweep_unfinished(settings.volume_dir);
   });
   Periodic end_visits("visits", 5s, [&] { visits.expire(); });
+  Periodic end_browsers("expired browsers", 5s, [&] { account_changes.end_expired_browsers(); });
   Periodic tidy("tidying", 10min, [&] {
     (void)account_store.tidy(clock.wall());
     (void)recording_store.expire(clock.wall());
@@ -256,6 +257,8 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     send_mails.wake();
   });
   accounts.on_mail([&] { send_mails.wake(); });
+  accounts.on_sign_out([&] { account_changes.end_expired_browsers(); });
+  second_factors.on_sign_out([&] { account_changes.end_expired_browsers(); });
   account_changes.on_mail([&] { send_mails.wake(); });
   code_check.on_mail([&] { send_mails.wake(); });
   second_factors.on_mail([&] { send_mails.wake(); });

@@ -80,7 +80,7 @@ Result<bool> AccountChangeRepository::reset(const std::string& token_hash,
     const auto user = use_up(transaction, token_hash, "reset", now);
     if (!user) return false;
     set_password(transaction, *user, password_hash);
-    transaction.exec_params0("DELETE FROM web_sessions WHERE user_id = $1::uuid", *user);
+    expire_sessions(transaction, *user);
     queue_mail(transaction, told, now);
     note_in_audit_log(transaction, of_account(*user, "account.password-reset"), now);
     return true;
@@ -93,8 +93,7 @@ Result<void> AccountChangeRepository::change_password(const std::string& user_id
                                                       const Mail& told, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     set_password(transaction, user_id, password_hash);
-    transaction.exec_params0("DELETE FROM web_sessions WHERE user_id = $1::uuid AND id <> $2::uuid",
-                             user_id, kept_session);
+    expire_sessions(transaction, user_id, kept_session);
     queue_mail(transaction, told, now);
     note_in_audit_log(transaction, of_account(user_id, "account.password-changed"), now);
     return {};
@@ -172,16 +171,39 @@ Result<std::vector<BrowserSession>> AccountChangeRepository::browser_sessions(
 Result<bool> AccountChangeRepository::end_browser_session(const std::string& user_id,
                                                           const std::string& id) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
-    const pqxx::result ended = transaction.exec_params(
-        "DELETE FROM web_sessions WHERE user_id = $1::uuid AND id = $2::uuid", user_id, id);
+    const pqxx::result ended = transaction.exec_params(R"sql(
+        UPDATE web_sessions SET expires_at = 'epoch'
+         WHERE user_id = $1::uuid AND id = $2::uuid AND expires_at > 'epoch')sql",
+                                                       user_id, id);
     return ended.affected_rows() > 0;
   });
 }
 
 Result<void> AccountChangeRepository::end_browser_sessions(const std::string& user_id, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
-    transaction.exec_params0("DELETE FROM web_sessions WHERE user_id = $1::uuid", user_id);
+    expire_sessions(transaction, user_id);
     note_in_audit_log(transaction, of_account(user_id, "account.signed-out-everywhere"), now);
+    return {};
+  });
+}
+
+Result<std::vector<ExpiredBrowser>> AccountChangeRepository::expired_browsers(Time now,
+                                                                              int limit) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<ExpiredBrowser>> {
+    std::vector<ExpiredBrowser> expired;
+    for (const pqxx::row& row : transaction.exec_params(R"sql(
+             SELECT id, user_id FROM web_sessions
+              WHERE expires_at <= to_timestamp($1::bigint / 1e6) ORDER BY expires_at LIMIT $2)sql",
+                                                        to_us(now), limit)) {
+      expired.push_back({row[0].as<std::string>(), row[1].as<std::string>()});
+    }
+    return expired;
+  });
+}
+
+Result<void> AccountChangeRepository::forget_browser(const std::string& id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    transaction.exec_params0("DELETE FROM web_sessions WHERE id = $1::uuid", id);
     return {};
   });
 }

@@ -26,6 +26,8 @@ class AccountChangeRepository final : public AccountChangeStore {
                                                        Time now) override;
   Result<bool> end_browser_session(const std::string& user_id, const std::string& id) override;
   Result<void> end_browser_sessions(const std::string& user_id, Time now) override;
+  Result<std::vector<ExpiredBrowser>> expired_browsers(Time now, int limit) override;
+  Result<void> forget_browser(const std::string& id) override;
 
  private:
   Database& database_;

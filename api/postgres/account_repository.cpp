@@ -21,6 +21,14 @@ std::optional<Account> read_account(const pqxx::result& found) {
 
 }  // namespace
 
+void expire_sessions(pqxx::work& transaction, const std::string& user_id,
+                     const std::string& kept_session) {
+  transaction.exec_params0(R"sql(
+      UPDATE web_sessions SET expires_at = 'epoch'
+       WHERE user_id = $1::uuid AND ($2 = '' OR id <> NULLIF($2, '')::uuid))sql",
+                           user_id, kept_session);
+}
+
 void queue_mail(pqxx::work& transaction, const Mail& mail, Time now) {
   transaction.exec_params0(R"sql(
       INSERT INTO mail_queue (recipient, subject, body, not_before)
@@ -142,7 +150,9 @@ Result<std::optional<SignedIn>> AccountRepository::find_session(const std::strin
 Result<void> AccountRepository::extend_session(const std::string& token_hash, Time expires_at) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     transaction.exec_params0(
-        "UPDATE web_sessions SET expires_at = to_timestamp($2::bigint / 1e6) WHERE token_hash = $1",
+        // Not one that was signed out after this request was authenticated.
+        "UPDATE web_sessions SET expires_at = to_timestamp($2::bigint / 1e6) "
+        "WHERE token_hash = $1 AND expires_at > 'epoch'",
         token_hash, to_us(expires_at));
     return {};
   });
@@ -159,7 +169,8 @@ Result<void> AccountRepository::touch_session(const std::string& token_hash, Tim
 
 Result<void> AccountRepository::close_session(const std::string& token_hash) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
-    transaction.exec_params0("DELETE FROM web_sessions WHERE token_hash = $1", token_hash);
+    transaction.exec_params0("UPDATE web_sessions SET expires_at = 'epoch' WHERE token_hash = $1",
+                             token_hash);
     return {};
   });
 }
@@ -232,8 +243,6 @@ Result<void> AccountRepository::tidy(Time now) {
         "DELETE FROM attempts WHERE happened_at < to_timestamp($1::bigint / 1e6) - interval '1 "
         "day'",
         us);
-    transaction.exec_params0(
-        "DELETE FROM web_sessions WHERE expires_at < to_timestamp($1::bigint / 1e6)", us);
     transaction.exec_params0(
         "DELETE FROM email_tokens WHERE expires_at < to_timestamp($1::bigint / 1e6)", us);
     transaction.exec_params0(R"sql(

@@ -42,6 +42,11 @@ class MailRepository final : public MailStore {
   Database& database_;
 };
 
+/// Ends the sign-ins of a user, but for the one named. Their rows stay, expired, until the streams
+/// that they opened have been ended (AccountChanges::end_expired_browsers).
+void expire_sessions(pqxx::work& transaction, const std::string& user_id,
+                     const std::string& kept_session = {});
+
 /// Sent soon after the transaction has committed.
 void queue_mail(pqxx::work& transaction, const Mail& mail, Time now);
 

@@ -107,7 +107,7 @@ Result<bool> AdministrationRepository::change(const std::string& administrator_i
            WHERE id = $1::uuid)sql",
                                id, *change.disabled, to_us(now));
       if (*change.disabled) {
-        transaction.exec_params0("DELETE FROM web_sessions WHERE user_id = $1::uuid", id);
+        expire_sessions(transaction, id);
         transaction.exec_params0("DELETE FROM email_tokens WHERE user_id = $1::uuid", id);
       }
       note(*change.disabled ? "account.disabled" : "account.enabled", {});

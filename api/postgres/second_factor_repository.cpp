@@ -73,8 +73,7 @@ Result<bool> SecondFactorRepository::confirm(const std::string& user_id,
         user_id, sealed_secret, step, to_us(now));
     if (confirmed.affected_rows() == 0) return false;
     put_codes(transaction, user_id, code_hashes);
-    transaction.exec_params0("DELETE FROM web_sessions WHERE user_id = $1::uuid AND id <> $2::uuid",
-                             user_id, kept_session);
+    expire_sessions(transaction, user_id, kept_session);
     queue_mail(transaction, told, now);
     note(transaction, user_id, "account.second-factor-added", now);
     return true;

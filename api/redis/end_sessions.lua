@@ -1,6 +1,6 @@
 -- Forget sessions and give their slots back at once; the workers hear of it with their next heartbeat.
 --
--- ARGV: "session", "data_set" or "user", id. Returns how many sessions were ended.
+-- ARGV: "session", "data_set" or "user", id; or "browser", its id, the id of its user. Returns how many sessions were ended.
 
 local function finish(session)
   local session_key = 'diaphane:session:' .. session
@@ -19,6 +19,18 @@ local function finish(session)
 end
 
 if ARGV[1] == 'session' then return finish(ARGV[2]) end
+
+if ARGV[1] == 'browser' then
+  -- place.lua gives this browser no ticket from now on. A request that is still under way is over long before this key expires.
+  redis.call('SET', 'diaphane:browser:' .. ARGV[2] .. ':ended', '1', 'EX', 60)
+  local ended = 0
+  for _, session in ipairs(redis.call('ZRANGE', 'diaphane:user:' .. ARGV[3] .. ':sessions', 0, -1)) do
+    -- A session without the field was written again by its worker after Redis had lost it. It may be this browser's.
+    local browsers = redis.call('HGET', 'diaphane:session:' .. session, 'browsers')
+    if not browsers or string.find(browsers, ',' .. ARGV[2] .. ',', 1, true) then ended = ended + finish(session) end
+  end
+  return ended
+end
 
 local all_key = 'diaphane:' .. ARGV[1] .. ':' .. ARGV[2] .. ':sessions'
 local ended = 0

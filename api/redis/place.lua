@@ -4,14 +4,19 @@
 --       most placed sessions of a person, most remembered sessions of a person,
 --       then of a guest, or empty of the owner: participant, name, hash of the link;
 --       what a session that is new shows first (a serialised Scene), or empty;
---       the fleet that is to grow for who finds no place, or empty
--- Returns {"placed", worker, placement}, or {why}: "not_yours", "too_many", "no_worker", "full", "no_memory".
+--       the fleet that is to grow for who finds no place, or empty;
+--       the sign-in (browser) that asks on the owner's behalf, or empty of guests and visitors
+-- Returns {"placed", worker, placement}, or {why}: "signed_out", "not_yours", "too_many", "no_worker", "full", "no_memory".
 -- Nothing is written unless it is placed, but that it was not. The keys of workers are not known beforehand, so none are declared: this wants
 -- one Redis, not a Redis Cluster.
 
 local session, user, data_set, ticket, epoch = ARGV[1], ARGV[2], ARGV[3], ARGV[4], ARGV[5]
 local reservation_ms, ticket_s, session_s = tonumber(ARGV[6]), tonumber(ARGV[7]), tonumber(ARGV[8])
 local most_placed, most_remembered = tonumber(ARGV[9]), tonumber(ARGV[10])
+
+-- A request that was authenticated just before its browser was signed out must not open a stream afterwards.
+local browser = ARGV[16]
+if browser ~= '' and redis.call('EXISTS', 'diaphane:browser:' .. browser .. ':ended') == 1 then return {'signed_out'} end
 
 local time = redis.call('TIME')
 local now = tonumber(time[1]) * 1000 + math.floor(tonumber(time[2]) / 1000)
@@ -164,6 +169,13 @@ redis.call('EXPIRE', entries_of(chosen.id), 60)
 
 redis.call('HSET', session_key, 'user', user, 'data_set', data_set, 'worker', chosen.id,
            'incarnation', chosen.incarnation, 'reserved_until', until_ms)
+-- Every browser that was given a ticket: signing any of them out ends the session.
+if browser ~= '' then
+  local browsers = redis.call('HGET', session_key, 'browsers') or ','
+  if not string.find(browsers, ',' .. browser .. ',', 1, true) then
+    redis.call('HSET', session_key, 'browsers', browsers .. browser .. ',')
+  end
+end
 redis.call('EXPIRE', session_key, session_s)
 local opened = redis.call('HGET', session_key, 'opened')
 for _, key in ipairs({user_key, data_set_key}) do

@@ -58,13 +58,16 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
   const Result<Reply> reply = client_.run(
       kPlace, {request.session_id, request.user_id, request.data_set_id, ticket, kProtocolEpoch,
                reservation, ticket_s, session_s, placed, remembered, request.participant,
-               request.name, request.link, request.first_scene, fleet_});
+               request.name, request.link, request.first_scene, fleet_, request.browser});
   if (!reply) return tl::unexpected(reply.error());
   const std::string& what = reply->at(0);
   if (what == "placed") {
     return Placed{ticket, reply->at(1), number<std::uint64_t>(reply->at(2))};
   }
   if (what == "not_yours") return no_session();
+  if (what == "signed_out") {
+    return fail(ErrorCode::kUnauthenticated, "This browser was signed out. Sign in again.");
+  }
   if (what == "too_many") {
     return fail(ErrorCode::kTooMany,
                 "You have as many open pictures as one person may have; "
@@ -128,6 +131,13 @@ Result<void> Sessions::end_all_of(std::string_view data_set_id) {
 Result<void> Sessions::end_all_by(std::string_view user_id) {
   if (!is_id(user_id)) return {};
   const Result<Reply> reply = client_.run(kEndSessions, {"user", user_id});
+  if (!reply) return tl::unexpected(reply.error());
+  return {};
+}
+
+Result<void> Sessions::end_all_from(std::string_view browser_id, std::string_view user_id) {
+  if (!is_id(browser_id) || !is_id(user_id)) return {};
+  const Result<Reply> reply = client_.run(kEndSessions, {"browser", browser_id, user_id});
   if (!reply) return tl::unexpected(reply.error());
   return {};
 }

@@ -40,6 +40,7 @@ class Sessions final : public Placement, public Tickets, public Workers, public 
   Result<void> end(std::string_view session_id) override;
   Result<void> end_all_of(std::string_view data_set_id) override;
   Result<void> end_all_by(std::string_view user_id) override;
+  Result<void> end_all_from(std::string_view browser_id, std::string_view user_id) override;
   Result<void> refused(std::string_view session_id, std::string_view worker_id,
                        std::uint64_t placement) override;
   bool reachable() override;

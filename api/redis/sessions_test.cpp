@@ -354,6 +354,40 @@ TEST_F(SessionsTest, EndingADataSetEndsEverybodysSessionsOfItAndNoOther) {
   EXPECT_EQ(sessions_.sessions_of(first.user_id)->size(), 1u);
 }
 
+TEST_F(SessionsTest, SigningOutABrowserEndsTheSessionsItHadTicketsForAndNoOther) {
+  announce({.id = "a", .slots = 10});
+  const std::string user = new_id(), left = new_id(), stays = new_id();
+  PlaceRequest mine = request(user), shared = request(user), other = request(user);
+  mine.browser = shared.browser = left;
+  other.browser = stays;
+  for (const PlaceRequest& one : {mine, shared, other}) ASSERT_TRUE(sessions_.place(one));
+  shared.browser = stays;
+  ASSERT_TRUE(sessions_.place(shared));
+  const std::string unused = sessions_.place(mine)->ticket;
+
+  ASSERT_TRUE(sessions_.end_all_from(left, user));
+  EXPECT_FALSE(sessions_.find(mine.session_id));
+  EXPECT_FALSE(sessions_.find(shared.session_id)) << "the browser may still be connected to it";
+  EXPECT_TRUE(sessions_.find(other.session_id));
+  EXPECT_EQ(sessions_.consume(unused).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(sessions_.place(mine).error().code, ErrorCode::kUnauthenticated)
+      << "a request that was authenticated before the sign-out";
+  EXPECT_TRUE(sessions_.place(shared));
+  EXPECT_EQ(used("a"), 2);
+}
+
+TEST_F(SessionsTest, ASessionThatItsWorkerWroteAgainEndsWithAnyBrowserOfItsUser) {
+  announce({.id = "a"});
+  PlaceRequest one = request();
+  one.browser = new_id();
+  ASSERT_TRUE(sessions_.place(one));
+  ASSERT_TRUE(client_->command({"HDEL", "diaphane:session:" + one.session_id, "browsers"}));
+  ASSERT_TRUE(sessions_.end_all_from(new_id(), new_id()));
+  EXPECT_TRUE(sessions_.find(one.session_id));
+  ASSERT_TRUE(sessions_.end_all_from(one.browser, one.user_id));
+  EXPECT_FALSE(sessions_.find(one.session_id));
+}
+
 TEST_F(SessionsTest, EverythingThatIsWrittenExpires) {
   announce({.id = "a"});
   ASSERT_TRUE(sessions_.place(request()));

@@ -9,6 +9,8 @@
 namespace diaphane::api {
 namespace {
 
+constexpr int kBrowsersAtOnce = 1000;
+
 tl::unexpected<Problem> too_old() {
   return refuse(ProblemKind::kLinkExpired,
                 "This link was used already or is too old. Ask for a new one.");
@@ -157,7 +159,17 @@ Outcome<void> AccountChanges::end_browser_session(const Principal& who, const st
   const auto done = store_.end_browser_session(who.user_id, id);
   if (!done) return refuse(done.error());
   if (!*done) return none();
+  end_expired_browsers();
   return {};
+}
+
+void AccountChanges::end_expired_browsers() {
+  const auto expired = store_.expired_browsers(clock_.wall(), kBrowsersAtOnce);
+  if (!expired) return;
+  for (const ExpiredBrowser& browser : *expired) {
+    if (!placement_.end_all_from(browser.id, browser.user_id)) return;
+    (void)store_.forget_browser(browser.id);
+  }
 }
 
 Outcome<void> AccountChanges::sign_out_everywhere(const Principal& who) {

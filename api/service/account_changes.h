@@ -17,6 +17,11 @@ struct BrowserSession {
   Time created_at, used_at;
 };
 
+/// A sign-in that is over, by sign-out or by age.
+struct ExpiredBrowser {
+  std::string id, user_id;
+};
+
 /// What a mailed token is for.
 struct TokenBearer {
   std::string user_id;
@@ -63,6 +68,9 @@ class AccountChangeStore {
   /// False: there is none of that id.
   virtual Result<bool> end_browser_session(const std::string& user_id, const std::string& id) = 0;
   virtual Result<void> end_browser_sessions(const std::string& user_id, Time now) = 0;
+  /// At most `limit`, the oldest first; they are kept until they are forgotten.
+  virtual Result<std::vector<ExpiredBrowser>> expired_browsers(Time now, int limit) = 0;
+  virtual Result<void> forget_browser(const std::string& id) = 0;
 };
 
 /// What a person changes of the own account. Thread-safe.
@@ -96,6 +104,10 @@ class AccountChanges {
   Outcome<void> end_browser_session(const Principal& who, const std::string& id);
   /// This one, too; and every picture that is open.
   Outcome<void> sign_out_everywhere(const Principal& who);
+
+  /// Ends the streams of every browser whose sign-in is over, and forgets it. What cannot be ended
+  /// now, because Redis is away, is ended by a later call.
+  void end_expired_browsers();
 
   void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
 

@@ -97,8 +97,7 @@ class AccountStore {
   /// Forgets all attempts under the key, or only the one noted at `at`.
   virtual Result<void> forget_attempts(const std::string& key_hash, std::optional<Time> at) = 0;
 
-  /// Removes what time has made useless: old attempts, sessions, tokens, keys, accounts never
-  /// verified.
+  /// Removes what time has made useless: old attempts, tokens, keys, accounts never verified.
   virtual Result<void> tidy(Time now) = 0;
 };
 

@@ -77,6 +77,8 @@ class Accounts {
   std::chrono::seconds session_life() const { return options_.session_life; }
   /// Called after a mail was queued, so that it need not wait for the next look at the queue.
   void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
+  /// Called after a browser was signed out: its streams are to be ended.
+  void on_sign_out(std::function<void()> call) { signed_out_ = std::move(call); }
 
  private:
   /// kCodeNeeded, kWrongCode, or nothing where no code is needed or the right one was given.
@@ -92,6 +94,7 @@ class Accounts {
   const Clock& clock_;
   Options options_;
   std::function<void()> wake_mailer_ = [] {};
+  std::function<void()> signed_out_ = [] {};
 };
 
 }  // namespace diaphane::api

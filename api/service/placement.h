@@ -31,6 +31,8 @@ struct PlaceRequest {
   /// Of a session that is new: what it shows first, a serialised diaphane.v1.Scene; empty: the
   /// volume's own look.
   std::string first_scene = {};
+  /// The owner's sign-in that asks (WebSession::id); empty of guests and visitors.
+  std::string browser = {};
 };
 
 /// Where the session is now and a fresh ticket for one connection to it.
@@ -48,6 +50,7 @@ class Placement {
   /// One round trip. Idempotent for a session whose worker lives (only the ticket is new).
   /// kUnavailable: no worker with a free slot, or none with the memory. kNotFound: the id is a
   /// session of another user. kTooMany: the user has as many sessions as one may have.
+  /// kUnauthenticated: the browser was signed out meanwhile.
   virtual Result<Placed> place(const PlaceRequest& request) = 0;
   /// kNotFound when there is none.
   virtual Result<SessionInfo> find(std::string_view session_id) = 0;
@@ -61,6 +64,9 @@ class Placement {
   virtual Result<void> end_all_of(std::string_view data_set_id) = 0;
   /// Ends every session that the user opened.
   virtual Result<void> end_all_by(std::string_view user_id) = 0;
+  /// Ends every session of the user that the browser was given a ticket for, and gives it no
+  /// further ticket: it was signed out.
+  virtual Result<void> end_all_from(std::string_view browser_id, std::string_view user_id) = 0;
   /// The worker had no memory for the session as it was placed there: its slot is given back, and
   /// for a while the session is placed on others. Nothing when it was placed anew since.
   virtual Result<void> refused(std::string_view session_id, std::string_view worker_id,

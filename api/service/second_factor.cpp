@@ -77,6 +77,7 @@ Outcome<std::vector<std::string>> SecondFactors::confirm(const Principal& who,
                      mails::second_factor_added(who.email, codes_.account_url()), now);
   if (!done) return refuse(done.error());
   if (!*done) return not_begun();
+  signed_out_();
   wake_mailer_();
   return codes;
 }

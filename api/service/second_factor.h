@@ -56,6 +56,8 @@ class SecondFactors {
                        const std::string& address);
 
   void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
+  /// Called after other browsers were signed out: their streams are to be ended.
+  void on_sign_out(std::function<void()> call) { signed_out_ = std::move(call); }
 
  private:
   /// Password and code once more, before what weakens the account.
@@ -69,6 +71,7 @@ class SecondFactors {
   const Clock& clock_;
   Options options_;
   std::function<void()> wake_mailer_ = [] {};
+  std::function<void()> signed_out_ = [] {};
 };
 
 }  // namespace diaphane::api

@@ -16,6 +16,7 @@ Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::strin
                                           const std::string& data_set_id) {
   PlaceRequest request{session_id, who.user_id, data_set_id};
   request.first_scene = first_scene_(data_set_id);
+  request.browser = who.session_id;
   const auto placed = placement_.place(request);
   if (placed) {
     // Taken away while it was placed: whoever took it may not have seen this session.
@@ -28,6 +29,8 @@ Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::strin
   switch (placed.error().code) {
     case ErrorCode::kNotFound:
       return no_such_session();
+    case ErrorCode::kUnauthenticated:
+      return refuse(ProblemKind::kUnauthenticated, placed.error().message);
     case ErrorCode::kUnavailable:
       if (!placement_.reachable()) return refuse(placed.error());  // no word about renderers then
       return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));

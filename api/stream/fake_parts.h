@@ -117,6 +117,7 @@ class FakePlaces final : public Placement, public Tickets, public Workers {
   Result<void> end(std::string_view) override { return {}; }
   Result<void> end_all_of(std::string_view) override { return {}; }
   Result<void> end_all_by(std::string_view) override { return {}; }
+  Result<void> end_all_from(std::string_view, std::string_view) override { return {}; }
   bool reachable() override { return true; }
 
   std::vector<WorkerInfo> alive_workers{{"worker", "", "one", 4, 0, false, {}}};

@@ -22,9 +22,9 @@ def reset_token(api, one: Person) -> str:  # noqa: F811
     return link_token(api, one.email, "reset")
 
 
-def open_picture(api, one: Person) -> str:  # noqa: F811
+def open_picture(api, one: Person, data_set: str | None = None) -> str:  # noqa: F811
     """The id of a session on a worker that is not there: as far as Redis knows."""
-    made = one.data_set(10)["data_set"]["id"]
+    made = data_set or one.data_set(10)["data_set"]["id"]
     make_ready(api, made)
     add_worker(api, "account-changes")
     answer = one.http.post("/v1/sessions", json={"data_set_id": made})
@@ -181,6 +181,49 @@ def test_browsers_are_listed_roughly_and_ended_one_by_one(api):  # noqa: F811
     problem(signed_in["Safari on iOS"].http.get("/v1/me"), 401, "unauthenticated")
     problem(mine.http.delete(f"/v1/me/browser-sessions/{phone}"), 404, "not-found")
     assert len(mine.http.get("/v1/me/browser-sessions").json()["items"]) == len(agents) - 1
+
+
+def pictures(api, *ids: str) -> list[int]:  # noqa: F811
+    return [api.redis.exists(f"diaphane:session:{one}") for one in ids]
+
+
+def test_signing_out_ends_what_that_browser_looks_at_and_nothing_else(api):  # noqa: F811
+    one = person(api)
+    phone, laptop = Person(api, one.email).sign_in(), Person(api, one.email).sign_in()
+    mine, on_phone, on_laptop = (open_picture(api, each) for each in (one, phone, laptop))
+    [current] = [b for b in phone.http.get("/v1/me/browser-sessions").json()["items"] if b["current"]]
+    assert one.http.delete(f"/v1/me/browser-sessions/{current['id']}").status_code == 204
+    assert pictures(api, mine, on_phone, on_laptop) == [1, 0, 1]
+    assert laptop.http.post("/v1/sign-out").status_code == 204
+    assert pictures(api, mine, on_phone, on_laptop) == [1, 0, 0]
+    assert one.http.get("/v1/me").status_code == 200
+    remove_worker(api, "account-changes")
+
+
+def test_a_second_factor_ends_what_other_browsers_look_at(api):  # noqa: F811
+    one = person(api)
+    other = Person(api, one.email).sign_in()
+    mine, theirs = open_picture(api, one), open_picture(api, other)
+    one.sets_up_second_factor()
+    assert pictures(api, mine, theirs) == [1, 0]
+    remove_worker(api, "account-changes")
+
+
+def test_a_stream_ends_when_the_sign_in_that_opened_it_expires(api):  # noqa: F811
+    one = person(api)
+    picture = open_picture(api, one)
+    api.psql("UPDATE web_sessions SET expires_at = now() - interval '1 second' WHERE user_id = %s", one.id)
+    problem(one.http.get("/v1/me"), 401, "unauthenticated")
+    api.wait_until(lambda: pictures(api, picture) == [0], what="the end of the picture")
+    remove_worker(api, "account-changes")
+
+
+def test_an_administrator_is_signed_in_for_twelve_hours_at_most(api):  # noqa: F811
+    one = person(api).becomes_administrator()
+    assert one.http.get("/v1/me").status_code == 200
+    [(hours,)] = api.psql("SELECT max(extract(epoch FROM expires_at - created_at))::float / 3600 FROM web_sessions "
+                          "WHERE user_id = %s AND expires_at > now()", one.id)
+    assert hours == 12, "what goes by the stored time, streams among it, ends then"
 
 
 def test_signing_out_everywhere_ends_browsers_and_pictures(api):  # noqa: F811
