@@ -60,11 +60,11 @@ std::vector<Route> account_change_routes(AccountChanges& changes, const Front& f
     return answer(changes.request_email(who, email, password, request.address), 202);
   };
   const auto confirm_email = [&changes](const Request& request,
-                                        const Principal&) -> Outcome<Response> {
+                                        const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string token = in.text("token", 1, 200);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    return answer(changes.confirm_email(token), 204);
+    return answer(changes.confirm_email(who, token), 204);
   };
   const auto browsers = [&changes](const Request&, const Principal& who) {
     return list_browsers(changes, who);
@@ -87,7 +87,7 @@ std::vector<Route> account_change_routes(AccountChanges& changes, const Front& f
       {"POST", "/v1/password-reset/confirm", "resetPassword", kAnyone, reset, {}},
       {"POST", "/v1/me/password", "changePassword", kPerson, change_password, {}},
       {"POST", "/v1/me/email", "requestEmailChange", kPerson, ask_email, {}},
-      {"POST", "/v1/email-change/confirm", "confirmEmailChange", kAnyone, confirm_email, {}},
+      {"POST", "/v1/email-change/confirm", "confirmEmailChange", kPerson, confirm_email, {}},
       {"GET", all, "listBrowserSessions", kPerson, browsers, {}},
       {"DELETE", all, "signOutEverywhere", kPerson, end_all, {}},
       {"DELETE", all + "/{browser_session_id}", "endBrowserSession", kPerson, end_one, {}},

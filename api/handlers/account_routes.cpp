@@ -42,17 +42,17 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, c
   const auto sign_up = [&accounts](const Request& request, const Principal&) -> Outcome<Response> {
     Fields in(request);
     const std::string email = in.text("email", 3, 254);
-    const std::string password = in.secret("password", kPasswordBytes);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto done = accounts.sign_up(email, password, request.address);
+    const auto done = accounts.sign_up(email, request.address);
     if (!done) return tl::unexpected(done.error());
     return empty_response(202);
   };
   const auto verify = [&accounts](const Request& request, const Principal&) -> Outcome<Response> {
     Fields in(request);
     const std::string token = in.text("token", 1, 200);
+    const std::string password = in.secret("password", kPasswordBytes);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto done = accounts.verify(token);
+    const auto done = accounts.verify(token, password);
     if (!done) return tl::unexpected(done.error());
     return empty_response(204);
   };

@@ -18,8 +18,6 @@ ProblemForm form_of(ProblemKind kind) {
       return {"code-needed", 401, "A code is needed, too"};
     case ProblemKind::kWrongCode:
       return {"wrong-code", 401, "Wrong code"};
-    case ProblemKind::kUnverified:
-      return {"unverified", 403, "Address not confirmed"};
     case ProblemKind::kDisabled:
       return {"disabled", 403, "Account switched off"};
     case ProblemKind::kCsrf:

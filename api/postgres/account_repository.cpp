@@ -48,45 +48,60 @@ Quota lock_quota(pqxx::work& transaction, const std::string& user_id) {
 
 Result<void> AccountRepository::sign_up(const SignUp& sign_up, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
-    // A verified account is left as it is; one that never was gets the new password, for whoever
-    // holds the next link is the one who reads the address's mail.
-    const pqxx::result made = transaction.exec_params(
+    transaction.exec_params0(
         R"sql(
-        INSERT INTO users AS u (id, email, email_key, password_hash, created_at)
-        VALUES ($1, $2, $3, $4, to_timestamp($5::bigint / 1e6))
-        ON CONFLICT (email_key) DO UPDATE
-           SET password_hash = excluded.password_hash, email = excluded.email,
-               created_at = excluded.created_at
-         WHERE u.verified_at IS NULL
-        RETURNING id)sql",
-        sign_up.user_id, sign_up.email, sign_up.email_key, sign_up.password_hash, to_us(now));
-    if (made.empty()) {
-      queue_mail(transaction, sign_up.already_there, now);
-      return {};
-    }
-    const auto id = made[0][0].as<std::string>();
-    transaction.exec_params0("DELETE FROM email_tokens WHERE user_id = $1", id);
-    transaction.exec_params0(R"sql(
-        INSERT INTO email_tokens (token_hash, user_id, purpose, expires_at)
-        VALUES ($1, $2, 'verify', to_timestamp($3::bigint / 1e6)))sql",
-                             sign_up.token_hash, id, to_us(sign_up.token_expires_at));
-    queue_mail(transaction, sign_up.welcome, now);
+        WITH account AS (
+          INSERT INTO users AS u (id, email, email_key, created_at)
+          VALUES ($1, $2, $3, to_timestamp($6::bigint / 1e6))
+          ON CONFLICT (email_key) DO UPDATE
+             SET email = excluded.email, created_at = excluded.created_at
+           WHERE u.verified_at IS NULL
+          RETURNING id),
+        token AS (
+          INSERT INTO email_tokens (token_hash, user_id, purpose, expires_at)
+          SELECT $4, id, 'verify', to_timestamp($5::bigint / 1e6) FROM account)
+        INSERT INTO mail_queue (recipient, subject, body, not_before)
+        SELECT $7, CASE WHEN is_open THEN $8 ELSE $10 END, CASE WHEN is_open THEN $9 ELSE $11 END,
+               to_timestamp($6::bigint / 1e6)
+          FROM (SELECT EXISTS (SELECT FROM account) AS is_open) AS made)sql",
+        sign_up.user_id, sign_up.email, sign_up.email_key, sign_up.token_hash,
+        to_us(sign_up.token_expires_at), to_us(now), sign_up.welcome.recipient,
+        sign_up.welcome.subject, sign_up.welcome.body, sign_up.already_there.subject,
+        sign_up.already_there.body);
     return {};
   });
 }
 
-Result<bool> AccountRepository::verify(const std::string& token_hash, Time now) {
+Result<std::optional<std::string>> AccountRepository::find_sign_up(const std::string& token_hash,
+                                                                   Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<std::optional<std::string>> {
+    const pqxx::result found = transaction.exec_params(
+        R"sql(
+        SELECT u.email FROM email_tokens t JOIN users u ON u.id = t.user_id
+         WHERE t.token_hash = $1 AND t.purpose = 'verify' AND u.verified_at IS NULL
+           AND t.expires_at > to_timestamp($2::bigint / 1e6))sql",
+        token_hash, to_us(now));
+    if (found.empty()) return std::nullopt;
+    return found[0][0].as<std::string>();
+  });
+}
+
+Result<bool> AccountRepository::verify(const std::string& token_hash,
+                                       const std::string& password_hash, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
-    const pqxx::result verified = transaction.exec_params(R"sql(
-        WITH used AS (
-          DELETE FROM email_tokens
-           WHERE token_hash = $1 AND purpose = 'verify' AND expires_at > to_timestamp($2::bigint / 1e6)
-          RETURNING user_id)
-        UPDATE users SET verified_at = to_timestamp($2::bigint / 1e6)
-          FROM used WHERE users.id = used.user_id
+    const pqxx::result verified = transaction.exec_params(
+        R"sql(
+        UPDATE users SET verified_at = to_timestamp($3::bigint / 1e6), password_hash = $2
+          FROM email_tokens t
+         WHERE users.id = t.user_id AND users.verified_at IS NULL
+           AND t.token_hash = $1 AND t.purpose = 'verify'
+           AND t.expires_at > to_timestamp($3::bigint / 1e6)
         RETURNING users.id)sql",
-                                                          token_hash, to_us(now));
-    return !verified.empty();
+        token_hash, password_hash, to_us(now));
+    if (verified.empty()) return false;
+    transaction.exec_params0("DELETE FROM email_tokens WHERE user_id = $1",
+                             verified[0][0].as<std::string>());
+    return true;
   });
 }
 

@@ -11,7 +11,9 @@ class AccountRepository final : public AccountStore {
   explicit AccountRepository(Database& database) : database_(database) {}
 
   Result<void> sign_up(const SignUp& sign_up, Time now) override;
-  Result<bool> verify(const std::string& token_hash, Time now) override;
+  Result<std::optional<std::string>> find_sign_up(const std::string& token_hash, Time now) override;
+  Result<bool> verify(const std::string& token_hash, const std::string& password_hash,
+                      Time now) override;
   Result<std::optional<Account>> find_by_email(const std::string& email_key) override;
   Result<std::optional<Account>> find_by_id(const std::string& user_id) override;
   Result<void> open_session(const WebSession& session) override;

@@ -45,7 +45,7 @@ Outcome<void> AccountChanges::request_reset(const std::string& email, const std:
   if (*wait) return too_many_attempts(**wait);
   // Said to nobody, as when signing up.
   const auto full = attempts_.note_attempt(
-      {{attempt_key("mail", key), options_.mails_by_recipient, options_.window}}, now);
+      {{attempt_key(kResetMails, key), options_.mails_by_recipient, options_.window}}, now);
   if (!full) return refuse(full.error());
   if (*full) return {};
 
@@ -112,7 +112,7 @@ Outcome<void> AccountChanges::request_email(const Principal& who, const std::str
   }
   const auto now = clock_.wall();
   const auto full = attempts_.note_attempt(
-      {{attempt_key("mail", key), options_.mails_by_recipient, options_.window},
+      {{attempt_key(kChangeMails, key), options_.mails_by_recipient, options_.window},
        {attempt_key("change", who.user_id), options_.mails_by_recipient, options_.window}},
       now);
   if (!full) return refuse(full.error());
@@ -132,13 +132,18 @@ Outcome<void> AccountChanges::request_email(const Principal& who, const std::str
   return {};
 }
 
-Outcome<void> AccountChanges::confirm_email(const std::string& token) {
+Outcome<void> AccountChanges::confirm_email(const Principal& who, const std::string& token) {
   if (!is_token(token)) return refuse_field("token", "This is not the token of a link.");
   const auto now = clock_.wall();
   const std::string token_hash = blake2b(token);
   const auto bearer = store_.find_token(token_hash, "change", now);
   if (!bearer) return refuse(bearer.error());
   if (!*bearer) return too_old();
+  if ((*bearer)->user_id != who.user_id) {
+    return refuse(ProblemKind::kForbidden,
+                  "This link belongs to another account. Sign in to the account that asked for the "
+                  "new address, then open the link again.");
+  }
   const auto done = store_.confirm_email(token_hash, email_key((*bearer)->new_email),
                                          mails::address_changed((*bearer)->email), now);
   if (!done) return refuse(done.error());

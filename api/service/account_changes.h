@@ -97,8 +97,9 @@ class AccountChanges {
   /// Mails a link to the new address and tells the old one.
   Outcome<void> request_email(const Principal& who, const std::string& new_email,
                               const std::string& password, const std::string& address);
-  /// kLinkExpired.
-  Outcome<void> confirm_email(const std::string& token);
+  /// Only by the account that asked: whoever reads the mail of the new address must not be able to
+  /// give it to a stranger's account (docs/adr/0034). kLinkExpired, kForbidden.
+  Outcome<void> confirm_email(const Principal& who, const std::string& token);
 
   Outcome<std::vector<BrowserSession>> browser_sessions(const Principal& who);
   Outcome<void> end_browser_session(const Principal& who, const std::string& id);

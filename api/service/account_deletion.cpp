@@ -14,7 +14,8 @@ Outcome<void> AccountDeletion::remove(const Principal& who, const std::string& p
   const std::string key = email_key(who.email);
   const auto data_sets = store_.remove_account(
       who.user_id, who.email,
-      {attempt_key("account", key), attempt_key("mail", key), attempt_key("change", who.user_id)},
+      {attempt_key("account", key), attempt_key(kSignUpMails, key), attempt_key(kResetMails, key),
+       attempt_key(kChangeMails, key), attempt_key("change", who.user_id)},
       mails::account_deleted(who.email), clock_.wall());
   if (!data_sets) return refuse(data_sets.error());
   // The rows have gone, so nobody opens anything any more; what runs is ended as far as can be.

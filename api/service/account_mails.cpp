@@ -4,10 +4,11 @@ namespace diaphane::api::mails {
 
 Mail welcome(const std::string& to, const std::string& link) {
   return {to, "Confirm your address for Diaphane",
-          "Somebody, most likely you, signed up for Diaphane with this address.\n\n"
-          "Open this link within two days to confirm it:\n\n" +
+          "Someone, most likely you, signed up for Diaphane with this email address.\n\n"
+          "Open this link within two days to confirm the address and choose your password:\n\n" +
               link +
-              "\n\nIf it was not you, do nothing: without the link the account is of no use.\n"};
+              "\n\nIf you did not sign up, ignore this mail. Without the link, nobody can use the "
+              "account.\n"};
 }
 
 Mail already_there(const std::string& to, const std::string& sign_in) {
@@ -40,9 +41,12 @@ Mail password_changed(const std::string& to, const std::string& forgot) {
 
 Mail confirm_new_address(const std::string& to, const std::string& link) {
   return {to, "Confirm your new address for Diaphane",
-          "Somebody, most likely you, wants to use this address for a Diaphane account.\n\n"
-          "Open this link within two days to confirm it:\n\n" +
-              link + "\n\nIf it was not you, do nothing: nothing changes without the link.\n"};
+          "Someone, most likely you, wants to use this email address for an existing Diaphane "
+          "account.\n\nOpen this link within two days to confirm it. You may be asked to sign in "
+          "with your old address first:\n\n" +
+              link +
+              "\n\nIf you did not ask for this, ignore this mail. The link works only for the "
+              "account that asked.\n"};
 }
 
 Mail new_address_taken(const std::string& to, const std::string& sign_in) {

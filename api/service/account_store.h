@@ -22,7 +22,6 @@ struct SignUp {
   std::string user_id;
   std::string email;
   std::string email_key;
-  std::string password_hash;
   std::string token_hash;  ///< secrets.h, blake2b
   Time token_expires_at;
   Mail welcome;        ///< with the link
@@ -32,7 +31,7 @@ struct SignUp {
 struct Account {
   std::string id;
   std::string email;
-  std::string password_hash;
+  std::string password_hash;  ///< empty until the address is confirmed
   bool verified = false;
   bool disabled = false;
 };
@@ -73,11 +72,17 @@ class AccountStore {
  public:
   virtual ~AccountStore() = default;
 
-  /// A new address: account, token and welcome mail. An unverified one: the new password and token
-  /// replace the old. A verified one: only the mail that says so.
+  /// An address without a verified account gets a token, beside those that it has, and the welcome
+  /// mail; one with a verified account only the mail that says so. The same work for both.
   virtual Result<void> sign_up(const SignUp& sign_up, Time now) = 0;
-  /// False when the token is unknown, used or expired.
-  virtual Result<bool> verify(const std::string& token_hash, Time now) = 0;
+  /// The address that the token was mailed to, which does not use it up. Nothing: the token is
+  /// unknown, used or expired.
+  virtual Result<std::optional<std::string>> find_sign_up(const std::string& token_hash,
+                                                          Time now) = 0;
+  /// Confirms the address, sets its password, and uses up every token of the account. False: the
+  /// token is unknown, used or expired.
+  virtual Result<bool> verify(const std::string& token_hash, const std::string& password_hash,
+                              Time now) = 0;
   virtual Result<std::optional<Account>> find_by_email(const std::string& email_key) = 0;
   virtual Result<std::optional<Account>> find_by_id(const std::string& user_id) = 0;
 

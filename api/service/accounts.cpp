@@ -19,10 +19,8 @@ Accounts::Accounts(AccountStore& store, PasswordHasher& hasher, CodeCheck& codes
                    const Clock& clock, Options options)
     : store_(store), hasher_(hasher), codes_(codes), clock_(clock), options_(std::move(options)) {}
 
-Outcome<void> Accounts::sign_up(const std::string& email, const std::string& password,
-                                const std::string& address) {
+Outcome<void> Accounts::sign_up(const std::string& email, const std::string& address) {
   if (!is_email(email)) return refuse_field("email", "This is not an e-mail address.");
-  if (auto fault = fault_of_password(password, email)) return refuse_field("password", *fault);
 
   const auto now = clock_.wall();
   const std::string key = email_key(email);
@@ -32,13 +30,10 @@ Outcome<void> Accounts::sign_up(const std::string& email, const std::string& pas
   if (!wait) return refuse(wait.error());
   if (*wait) return too_many_attempts(**wait);
 
-  // Hashed before it is known whether the address is new, so that time does not tell.
-  auto hash = hasher_.hash(password);
-  if (!hash) return refuse(hash.error());
-
-  // Nobody's letter box is filled by strangers. Said to nobody: the mails that went out are enough.
+  // Strangers cannot fill a mailbox, and cannot keep its owner out either: the limit counts sign-up
+  // mails alone, and any link that was mailed lets its reader in. The answer does not tell.
   const auto full = store_.note_attempt(
-      {{attempt_key("mail", key), options_.mails_by_recipient, options_.window}}, now);
+      {{attempt_key(kSignUpMails, key), options_.mails_by_recipient, options_.window}}, now);
   if (!full) return refuse(full.error());
   if (*full) return {};
 
@@ -46,7 +41,6 @@ Outcome<void> Accounts::sign_up(const std::string& email, const std::string& pas
   const SignUp sign_up{new_id(),
                        email,
                        key,
-                       *std::move(hash),
                        blake2b(token),
                        now + options_.link_life,
                        mails::welcome(email, options_.public_url + "/verify#token=" + token),
@@ -57,14 +51,22 @@ Outcome<void> Accounts::sign_up(const std::string& email, const std::string& pas
   return {};
 }
 
-Outcome<void> Accounts::verify(const std::string& token) {
+Outcome<void> Accounts::verify(const std::string& token, const std::string& password) {
   if (!is_token(token)) return refuse_field("token", "This is not the token of a link.");
-  const auto known = store_.verify(blake2b(token), clock_.wall());
-  if (!known) return refuse(known.error());
-  if (!*known) {
+  const auto too_old = [] {
     return refuse(ProblemKind::kLinkExpired,
                   "This link was used already or is too old. Sign in, or sign up again.");
-  }
+  };
+  const auto now = clock_.wall();
+  const auto email = store_.find_sign_up(blake2b(token), now);
+  if (!email) return refuse(email.error());
+  if (!*email) return too_old();
+  if (auto fault = fault_of_password(password, **email)) return refuse_field("password", *fault);
+  auto hash = hasher_.hash(password);
+  if (!hash) return refuse(hash.error());
+  const auto done = store_.verify(blake2b(token), *hash, now);
+  if (!done) return refuse(done.error());
+  if (!*done) return too_old();
   return {};
 }
 
@@ -81,8 +83,8 @@ Outcome<bool> Accounts::is_right(const std::optional<Account>& account,
                           now);
   if (!wait) return refuse(wait.error());
   if (*wait) return too_many_attempts(**wait);
-  const auto right =
-      account ? hasher_.verify(password, account->password_hash) : hasher_.verify_nothing(password);
+  const auto right = account && account->verified ? hasher_.verify(password, account->password_hash)
+                                                  : hasher_.verify_nothing(password);
   if (!right) return refuse(right.error());
   if (!*right) return false;
   // The right password: not an attempt to guess it. The address keeps its other failures, or an
@@ -121,11 +123,6 @@ Outcome<Accounts::Opened> Accounts::sign_in(const std::string& email, const std:
   if (!right) return tl::unexpected(right.error());
   if (!*right) {
     return refuse(ProblemKind::kWrongCredentials, "The address or the password is wrong.");
-  }
-  if (!(*account)->verified) {
-    return refuse(ProblemKind::kUnverified,
-                  "Confirm your address first: open the link in the mail. "
-                  "If there is none, sign up again.");
   }
   if ((*account)->disabled) {
     return refuse(ProblemKind::kDisabled, "An administrator has switched this account off.");

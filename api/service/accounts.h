@@ -42,7 +42,8 @@ class Accounts {
     int failures_by_account = 10;  ///< in `window`
     int failures_by_address = 50;  ///< in `window`
     int sign_ups_by_address = 30;  ///< in `window`
-    int mails_by_recipient = 4;    ///< in `window`
+    /// Sign-up mails to one address in `window`. Every one of them holds a link that works.
+    int mails_by_recipient = 4;
   };
 
   struct Opened {
@@ -53,15 +54,15 @@ class Accounts {
   Accounts(AccountStore& store, PasswordHasher& hasher, CodeCheck& codes, const Clock& clock,
            Options options);
 
-  /// kInvalid for what can be said without knowing any account; else success, whoever has an
-  /// account. `address` is the peer's, for the limit.
-  Outcome<void> sign_up(const std::string& email, const std::string& password,
-                        const std::string& address);
-  /// kLinkExpired when the token is unknown, used or too old.
-  Outcome<void> verify(const std::string& token);
-  /// kWrongCredentials, kUnverified, kDisabled, kTooManyAttempts; with the right password of an
-  /// account that has a second factor, kCodeNeeded without a code and kWrongCode with a wrong one.
-  /// `browser` is a rough name.
+  /// Mails a link. kInvalid for what can be said without knowing any account; else success, whoever
+  /// has an account. `address` is the peer's, for the limit.
+  Outcome<void> sign_up(const std::string& email, const std::string& address);
+  /// Whoever holds a mailed token reads the mail of the address: only they choose its password
+  /// (docs/adr/0034). kLinkExpired when the token is unknown, used or too old.
+  Outcome<void> verify(const std::string& token, const std::string& password);
+  /// kWrongCredentials, also while the address is not confirmed; kDisabled, kTooManyAttempts; with
+  /// the right password of an account that has a second factor, kCodeNeeded without a code and
+  /// kWrongCode with a wrong one. `browser` is a rough name.
   Outcome<Opened> sign_in(const std::string& email, const std::string& password,
                           const std::string& code, const std::string& address,
                           const std::string& browser = "");

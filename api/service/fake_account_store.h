@@ -29,18 +29,26 @@ class FakeAccountStore final : public AccountStore {
       mails.push_back(s.already_there);
       return {};
     }
-    account = {s.user_id, s.email, s.password_hash, false, false};
-    std::erase_if(tokens, [&](const auto& token) { return token.second == s.email_key; });
+    if (account.id.empty()) account = {s.user_id, s.email, "", false, false};
     tokens[s.token_hash] = s.email_key;
     mails.push_back(s.welcome);
     return {};
   }
-  Result<bool> verify(const std::string& token_hash, Time) override {
+  Result<std::optional<std::string>> find_sign_up(const std::string& token_hash, Time) override {
+    if (away) return gone();
+    const auto found = tokens.find(token_hash);
+    if (found == tokens.end()) return std::nullopt;
+    return accounts[found->second].email;
+  }
+  Result<bool> verify(const std::string& token_hash, const std::string& password_hash,
+                      Time) override {
     if (away) return gone();
     const auto found = tokens.find(token_hash);
     if (found == tokens.end()) return false;
-    accounts[found->second].verified = true;
-    tokens.erase(found);
+    const std::string email = found->second;
+    accounts[email].verified = true;
+    accounts[email].password_hash = password_hash;
+    std::erase_if(tokens, [&](const auto& token) { return token.second == email; });
     return true;
   }
   Result<std::optional<Account>> find_by_email(const std::string& key) override {

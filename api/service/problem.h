@@ -18,7 +18,6 @@ enum class ProblemKind {
   kWrongCredentials,
   kCodeNeeded,
   kWrongCode,
-  kUnverified,
   kDisabled,
   kCsrf,
   kOrigin,

@@ -136,8 +136,9 @@ def test_an_administrator_is_led_to_set_it_up_first(stack: TestStack, visit, pic
 
 def test_a_new_password_says_what_is_missing_while_it_is_typed(stack: TestStack, visit):
     page = visit()
-    page.goto(stack.url + "/sign-up")
-    page.get_by_label("E-mail address").fill("somebody@example.org")
+    person = Person(stack, page, "somebody@example.org")
+    person.sign_up()
+    page.goto(person.mailed_link())
     password = page.get_by_label("Password", exact=True)
     said = page.locator(".strength")
     for typed, words in (("kq7 zr4 vm2", "One character more."), ("kq7 zr4 vm2x", "Long enough. Longer is better."),
@@ -146,8 +147,8 @@ def test_a_new_password_says_what_is_missing_while_it_is_typed(stack: TestStack,
         expect(said).to_have_text(words)
     assert faults(page) == []
     password.fill("kq7 zr4 vm2")
-    page.get_by_role("button", name="Create account").click()
+    page.get_by_role("button", name="Confirm address and set password").click()
     expect(page.get_by_text("Use at least 12 characters.")).to_be_visible()
     password.fill("password1234")
-    page.get_by_role("button", name="Create account").click()
+    page.get_by_role("button", name="Confirm address and set password").click()
     expect(password).to_have_attribute("aria-invalid", "true")

@@ -258,8 +258,9 @@ NEW_PASSWORD = "another long and quiet one"
 
 #: Bodies by operation: (world, who asks) -> body.
 bodies: dict[str, Callable[[World, Person], Any]] = {
-    "signUp": lambda world, who: {"email": f"new-{uuid.uuid4().hex}@example.org", "password": PASSWORD},
-    "verifyAccount": lambda world, who: {"token": world.token_for(world.someone("unverified"), "verify")},
+    "signUp": lambda world, who: {"email": f"new-{uuid.uuid4().hex}@example.org"},
+    "verifyAccount": lambda world, who: {"token": world.token_for(world.someone("unverified"), "verify"),
+                                         "password": NEW_PASSWORD},
     "signIn": lambda world, who: {"email": world.owner.email, "password": PASSWORD},
     "requestPasswordReset": lambda world, who: {"email": f"nobody-{uuid.uuid4().hex}@example.org"},
     "resetPassword": lambda world, who: {"token": world.token_for(world.owner, "reset"), "password": NEW_PASSWORD},

@@ -49,12 +49,12 @@ export class Api {
     return this.csrf_token_;
   }
 
-  async sign_up(email: string, password: string): Promise<void> {
-    await this.send("POST", "/v1/accounts", { email, password });
+  async sign_up(email: string): Promise<void> {
+    await this.send("POST", "/v1/accounts", { email });
   }
 
-  async verify(token: string): Promise<void> {
-    await this.send("POST", "/v1/accounts/verify", { token });
+  async verify(token: string, password: string): Promise<void> {
+    await this.send("POST", "/v1/accounts/verify", { token, password });
   }
 
   /** Rejected with `code-needed` when the account has a second factor and `code` is empty. */

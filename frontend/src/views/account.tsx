@@ -6,23 +6,21 @@ import { AccountFrame } from "./account_frame";
 import { CodeField } from "./code_field";
 import { Field } from "./field";
 import { Form, fault, faults_of, type Faults } from "./form";
-import { useMailedToken } from "./mailed_link";
-import { NewPassword } from "./new_password";
+import { MailedPassword } from "./mailed_password";
 import { Link, navigate } from "./router";
 import { Notice } from "./shell";
 import { useApp, type AppState } from "./state";
-import { shortest_password } from "./strength";
 
 export const looks_like_email = (text: string): boolean => /^[^\s@]+@[^\s@]+$/.test(text.trim());
 
 type Credentials = "email" | "password";
 const both: readonly Credentials[] = ["email", "password"];
 
+/** An address alone: its password is chosen by whoever opens the mailed link. */
 export function SignUp() {
   const app = useApp();
   const [email, set_email] = useState("");
-  const [password, set_password] = useState("");
-  const [faults, set_faults] = useState<Faults<Credentials>>({});
+  const [faults, set_faults] = useState<Faults<"email">>({});
   const [busy, set_busy] = useState(false);
   const [sent, set_sent] = useState(false);
 
@@ -31,23 +29,21 @@ export function SignUp() {
       <AccountFrame title={t.titles.check_mail}>
         <Notice kind="good">{t.account.mail_sent(email.trim())}</Notice>
         <p class="muted">{t.account.mail_hint}</p>
-        <p><Link href="/sign-in" class="button">{t.account.to_sign_in}</Link></p>
       </AccountFrame>
     );
 
   const submit = async () => {
-    const found: Faults<Credentials> = {
-      ...(looks_like_email(email) ? {} : { email: email === "" ? t.account.required : t.account.email_wrong }),
-      ...(Array.from(password).length >= shortest_password ? {} : { password: t.account.password_short }),
-    };
-    set_faults(found);
-    if (found.email !== undefined || found.password !== undefined) return;
+    if (!looks_like_email(email)) {
+      set_faults({ email: email === "" ? t.account.required : t.account.email_wrong });
+      return;
+    }
+    set_faults({});
     set_busy(true);
     try {
-      await app.api.sign_up(email.trim(), password);
+      await app.api.sign_up(email.trim());
       set_sent(true);
     } catch (thrown) {
-      set_faults(faults_of(thrown, both, (what) => app.explain(what)));
+      set_faults(faults_of(thrown, ["email"], (what) => app.explain(what)));
     } finally {
       set_busy(false);
     }
@@ -56,7 +52,6 @@ export function SignUp() {
     <AccountFrame title={t.titles.sign_up} lead={t.account.sign_up_lead}>
       <Form onSubmit={submit} busy={busy} label={t.account.sign_up} {...fault(faults.form)}>
         <Field label={t.account.email} type="email" autocomplete="email" value={email} onInput={set_email} {...fault(faults.email)} />
-        <NewPassword label={t.account.password} value={password} onInput={set_password} {...fault(faults.password)} />
       </Form>
       <p class="muted">{t.account.have_one} <Link href="/sign-in">{t.account.sign_in}</Link></p>
     </AccountFrame>
@@ -153,18 +148,28 @@ function SignInCode({ email, password, onBack }: SignInCodeProps) {
   );
 }
 
+/** Where the link of a sign-up's mail leads. */
 export function Verify({ token }: { readonly token: string }) {
   const app = useApp();
-  const outcome = useMailedToken(token, "/verify", async (mailed) => {
-    await app.api.verify(mailed);
-    return t.account.verified;
-  });
-  if (!outcome)
-    return <AccountFrame title={t.titles.verify}><p class="muted" role="status">{t.account.verifying}</p></AccountFrame>;
+  const [done, set_done] = useState(false);
+  if (done)
+    return (
+      <AccountFrame title={t.account.verified_title}>
+        <Notice kind="good">{t.account.verified}</Notice>
+        <p><Link href="/sign-in" class="button button-main">{t.account.to_sign_in}</Link></p>
+      </AccountFrame>
+    );
   return (
-    <AccountFrame title={outcome.ok ? t.account.verified_title : t.account.verify_failed}>
-      <Notice kind={outcome.ok ? "good" : "bad"}>{outcome.text}</Notice>
-      <p><Link href="/sign-in" class="button button-main">{t.account.to_sign_in}</Link></p>
+    <AccountFrame title={t.titles.verify} lead={t.account.verify_lead}>
+      <MailedPassword
+        token={token}
+        page="/verify"
+        label={t.account.password}
+        button={t.account.verify_submit}
+        use={(mailed, password) => app.api.verify(mailed, password)}
+        onDone={() => set_done(true)}
+      />
+      <p class="muted"><Link href="/sign-in">{t.account.to_sign_in}</Link></p>
     </AccountFrame>
   );
 }

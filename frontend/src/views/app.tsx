@@ -32,7 +32,6 @@ function Page() {
   const me = app.me.value;
 
   if (at.page === "verify") return <Shell><Verify token={at.token} /></Shell>;
-  if (at.page === "confirm_email") return <Shell><ConfirmEmail token={at.token} /></Shell>;
   if (at.page === "reset") return <Shell><Reset token={at.token} /></Shell>;
   if (at.page === "forgot") return <Shell><Forgot /></Shell>;
   if (at.page === "join") return <Join key={at.token} token={at.token} />;
@@ -55,6 +54,8 @@ function Page() {
   // Wherever one wanted to go: after signing in one is there.
   if (me === null) return <Shell><SignIn /></Shell>;
   switch (at.page) {
+    case "confirm_email":
+      return <Shell><ConfirmEmail token={at.token} /></Shell>;
     case "account":
       return <Shell><MyAccount me={me} /></Shell>;
     case "admin":

@@ -1,15 +1,14 @@
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { t } from "../texts";
 import { looks_like_email } from "./account";
 import { AccountFrame } from "./account_frame";
 import { Field } from "./field";
 import { Form, fault, faults_of, type Faults } from "./form";
 import { useMailedToken } from "./mailed_link";
-import { NewPassword } from "./new_password";
+import { MailedPassword } from "./mailed_password";
 import { Link } from "./router";
 import { Notice } from "./shell";
 import { useApp } from "./state";
-import { shortest_password } from "./strength";
 
 /** A forgotten password: a link is mailed, whoever has an account. */
 export function Forgot() {
@@ -55,16 +54,7 @@ export function Forgot() {
 /** Where the link of that mail leads. */
 export function Reset({ token }: { readonly token: string }) {
   const app = useApp();
-  const [kept] = useState(token);
-  const [password, set_password] = useState("");
-  const [faults, set_faults] = useState<Faults<"password">>({});
-  const [busy, set_busy] = useState(false);
   const [done, set_done] = useState(false);
-  useEffect(() => {
-    // It opens the account; it need not stay in the address and the history.
-    history.replaceState(null, "", "/reset");
-  }, []);
-
   if (done)
     return (
       <AccountFrame title={t.titles.reset}>
@@ -72,30 +62,19 @@ export function Reset({ token }: { readonly token: string }) {
         <p><Link href="/sign-in" class="button button-main">{t.account.to_sign_in}</Link></p>
       </AccountFrame>
     );
-  const submit = async () => {
-    if (Array.from(password).length < shortest_password) {
-      set_faults({ password: t.account.password_short });
-      return;
-    }
-    set_faults({});
-    set_busy(true);
-    try {
-      await app.api.reset_password(kept, password);
-      app.me.value = null;
-      set_done(true);
-    } catch (thrown) {
-      set_faults(faults_of(thrown, ["password"], (what) => app.explain(what)));
-    } finally {
-      set_busy(false);
-    }
-  };
   return (
     <AccountFrame title={t.titles.reset} lead={t.account.reset_lead}>
-      {kept === "" ? <Notice kind="bad">{t.account.verify_no_token}</Notice> : (
-        <Form onSubmit={submit} busy={busy} label={t.account.reset} {...fault(faults.form)}>
-          <NewPassword label={t.account.new_password} value={password} onInput={set_password} {...fault(faults.password)} />
-        </Form>
-      )}
+      <MailedPassword
+        token={token}
+        page="/reset"
+        label={t.account.new_password}
+        button={t.account.reset}
+        use={(mailed, password) => app.api.reset_password(mailed, password)}
+        onDone={() => {
+          app.me.value = null;
+          set_done(true);
+        }}
+      />
       <p class="muted"><Link href="/forgot">{t.account.ask_again}</Link></p>
     </AccountFrame>
   );

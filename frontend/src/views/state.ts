@@ -62,8 +62,6 @@ export function problem_text(problem: ApiProblem): string {
       return t.problems.offline;
     case "wrong-credentials":
       return t.problems.wrong_credentials;
-    case "unverified":
-      return t.problems.unverified;
     case "disabled":
       return t.problems.disabled;
     case "link-expired":

@@ -4,7 +4,7 @@ export const titles: Texts["titles"] = {
   sign_up: "Legen Sie Ihr Konto an",
   sign_in: "Anmelden",
   code: "Ihr Code",
-  verify: "Bestätigen Sie Ihre Adresse",
+  verify: "Wählen Sie Ihr Passwort",
   check_mail: "Sehen Sie in Ihre E-Mails",
   forgot: "Ein neues Passwort",
   reset: "Wählen Sie ein neues Passwort",

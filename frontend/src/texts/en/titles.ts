@@ -3,7 +3,7 @@ export const titles = {
   sign_up: "Create your account",
   sign_in: "Sign in",
   code: "Your code",
-  verify: "Confirm your address",
+  verify: "Choose your password",
   check_mail: "Check your mail",
   forgot: "A new password",
   reset: "Choose a new password",
