@@ -24,7 +24,7 @@ Outcome<Response> create(DataSets& data_sets, const Request& request, const Prin
   auto key = idempotency_key(request);
   if (!key) return tl::unexpected(key.error());
   Fields in(request);
-  DataSets::Announcement announcement{in.text_or("title", "", 80),
+  DataSets::Announcement announcement{in.has("title") ? in.name("title", 0, 80) : std::string(),
                                       in.integer("bytes", 1, INT64_MAX), *std::move(key)};
   in.integer_or("slices", 1, 1, 100'000);
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
@@ -54,7 +54,7 @@ std::vector<Route> data_set_routes(DataSets& data_sets, Thumbnails& thumbnails) 
                                          const Principal& who) -> Outcome<Response> {
     Fields in(request);
     Description what;
-    if (in.has("title")) what.title = in.text("title", 0, 80);
+    if (in.has("title")) what.title = in.name("title", 0, 80);
     if (in.has("description")) what.text = in.prose_or("description", "", 2000);
     if (in.is_null("body_part")) {
       what.body_part = "";

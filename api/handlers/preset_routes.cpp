@@ -20,7 +20,7 @@ Outcome<Response> create(Presets& presets, const Request& request, const Princip
   if (auto fits = check_size(request); !fits) return tl::unexpected(fits.error());
   Fields in(request);
   Preset preset;
-  preset.name = in.text("name", 1, 60);
+  preset.name = in.name("name", 1, 60);
   preset.scene = read_scene(in);
   read_format_version(in);
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
@@ -33,7 +33,7 @@ Outcome<Response> change(Presets& presets, const Request& request, const Princip
   if (auto fits = check_size(request); !fits) return tl::unexpected(fits.error());
   Fields in(request);
   PresetChange what;
-  if (in.has("name")) what.name = in.text("name", 1, 60);
+  if (in.has("name")) what.name = in.name("name", 1, 60);
   if (in.has("scene")) what.scene = read_scene(in);
   read_format_version(in);
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);

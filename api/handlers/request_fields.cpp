@@ -6,6 +6,7 @@
 #include <regex>
 
 #include "api/handlers/front.h"
+#include "common/names.h"
 
 namespace diaphane::api {
 namespace {
@@ -96,6 +97,13 @@ std::string Fields::check_text(const std::string& name, const nlohmann::json& va
 std::string Fields::text(const std::string& name, std::size_t low, std::size_t high) {
   const auto* value = take(name, true);
   return value ? check_text(name, *value, low, high) : std::string();
+}
+
+std::string Fields::name(const std::string& name, std::size_t low, std::size_t high) {
+  std::string typed = text(name, low, high);
+  std::string clean = clean_name(typed, high);
+  if (clean.empty() && !typed.empty() && low > 0) wrong(name, "must have characters that are seen");
+  return clean;
 }
 
 nlohmann::json Fields::any(const std::string& name) {

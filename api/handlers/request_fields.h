@@ -32,6 +32,9 @@ class Fields {
   /// a mistake, a NUL an attack).
   std::string text(const std::string& name, std::size_t low, std::size_t high);
   std::string text_or(const std::string& name, std::string fallback, std::size_t high);
+  /// What others read as the name of a person or a thing: as `text`, and without what cannot be
+  /// seen (common/names.h).
+  std::string name(const std::string& name, std::size_t low, std::size_t high);
   /// With line feeds: a description.
   std::string prose_or(const std::string& name, std::string fallback, std::size_t high);
   /// Is it there? And is it there and null (then it counts as read)?

@@ -146,7 +146,7 @@ std::vector<Route> sharing_routes(Sharing& sharing, const Front& front) {
   const auto set_name = [&sharing](const Request& request,
                                    const Principal& who) -> Outcome<Response> {
     Fields in(request);
-    const std::string name = in.text("public_name", 0, 40);
+    const std::string name = in.name("public_name", 0, 40);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto done = sharing.set_public_name(who, name);
     if (!done) return tl::unexpected(done.error());

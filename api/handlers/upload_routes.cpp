@@ -50,7 +50,7 @@ Outcome<Response> create(DataSets& data_sets, const Request& request, const Prin
   }
   const auto title = said.find("title");
   Fields in("Upload-Metadata", {{"title", title == said.end() ? std::string() : title->second}});
-  DataSets::Announcement announcement{in.text_or("title", "", 80), plan->length, *std::move(key)};
+  DataSets::Announcement announcement{in.name("title", 0, 80), plan->length, *std::move(key)};
   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
   const auto made = data_sets.announce(who, announcement);
   if (!made) return tl::unexpected(made.error());

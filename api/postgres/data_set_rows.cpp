@@ -1,7 +1,12 @@
 #include "api/postgres/data_set_rows.h"
 
+#include <utility>
+
+#include "common/names.h"
+
 namespace diaphane::api {
 
+// What belongs to a disabled account does not exist for anybody else, nor anything for its owner.
 // An owner who was deleted can never be taken for the operator: the row goes with him, and the
 // sample is asked for by is_sample.
 const char* const kSelectDataSet = R"sql(
@@ -31,10 +36,12 @@ const char* const kSelectDataSet = R"sql(
         WHEN v.id IS NULL THEN 'nobody'
         WHEN v.verified_at IS NULL THEN 'unverified'
         ELSE 'other' END AS role) r
-   WHERE (r.role = 'owner'
+   WHERE v.disabled_at IS NULL
+     AND (r.role = 'owner'
           OR (d.state = 'ready'
-              AND (d.visibility = 'public'
-                   OR (d.taken_down_at IS NULL AND r.role IN ('shared-edit', 'shared-view'))
+              AND ((o.disabled_at IS NULL
+                    AND (d.visibility = 'public'
+                         OR (d.taken_down_at IS NULL AND r.role IN ('shared-edit', 'shared-view'))))
                    OR ($3::bool AND d.taken_down_at IS NOT NULL)))))sql";
 
 namespace {
@@ -55,6 +62,10 @@ std::optional<Time> time_or_nothing(const pqxx::field& field) {
 }
 
 }  // namespace
+
+std::string shown_name(std::string name) {
+  return is_plain_name(name) ? std::move(name) : std::string();
+}
 
 DataSet read_data_set(const pqxx::row& row) {
   DataSet d;
@@ -81,7 +92,7 @@ DataSet read_data_set(const pqxx::row& row) {
   d.body_part = row[23].as<std::string>();
   d.taken_down = row[24].as<bool>();
   d.taken_down_reason = row[25].as<std::string>();
-  d.owner_name = row[26].as<std::string>();
+  d.owner_name = shown_name(row[26].as<std::string>());
   d.published_at = time_or_nothing(row[27]);
   d.anonymised_at = time_or_nothing(row[28]);
   d.people = row[29].as<int>();

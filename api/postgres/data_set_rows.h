@@ -12,6 +12,9 @@ namespace diaphane::api {
 extern const char* const kSelectDataSet;
 DataSet read_data_set(const pqxx::row& row);
 
+/// A public name; empty where it was chosen before names were checked and would be refused now.
+std::string shown_name(std::string name);
+
 /// As SQL has it: NULL is nobody, or the sample's operator.
 inline const char* viewer_or_null(const Viewer& viewer) {
   return viewer.user_id.empty() ? nullptr : viewer.user_id.c_str();

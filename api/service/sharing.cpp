@@ -6,18 +6,24 @@
 #include "api/service/secrets.h"
 #include "common/ids.h"
 #include "common/log.h"
+#include "common/names.h"
 
 namespace diaphane::api {
 namespace {
 
-Mail invitation(const std::string& email, const std::string& from, const std::string& public_url) {
-  return {email, "Somebody shares a scan with you on Diaphane",
-          (from.empty() ? std::string("Somebody") : from) +
-              " shares a scan with you on Diaphane.\n\nSign in with this address, or create an "
-              "account with it, and you find the scan under \"My scans\":\n\n" +
-              public_url +
-              "/scans\n\nIf you do not know what this is about, do nothing: nobody is told whether "
-              "you have an account.\n"};
+/// The only words in it that the sender chose are the name, within quotation marks, which no name
+/// holds, and the address, which was confirmed.
+Mail invitation(const std::string& email, const std::string& name, const std::string& from,
+                const std::string& public_url) {
+  const std::string sender = name.empty() ? from : "\"" + name + "\" (" + from + ")";
+  return {
+      email, "A scan was shared with you on Diaphane",
+      sender +
+          " shared a scan with you on Diaphane.\n\nTo see it, sign in with this email address, "
+          "or create an account with it. The scan is under \"My scans\":\n\n" +
+          public_url +
+          "/scans\n\nIf you do not know the sender, ignore this mail. We tell nobody whether you "
+          "have an account.\n"};
 }
 
 tl::unexpected<Problem> no_such_link() {
@@ -54,8 +60,9 @@ Outcome<void> Sharing::share_with(const Principal& who, const std::string& id,
   }
   const auto name = parts_.store.public_name(who.user_id);
   if (!name) return refuse(name.error());
-  const auto added = parts_.store.share_with(id, {new_id(), key, may_save, now}, options_.people,
-                                             invitation(email, *name, options_.public_url));
+  const auto added =
+      parts_.store.share_with(id, {new_id(), key, may_save, now}, options_.people,
+                              invitation(email, *name, who.email, options_.public_url));
   if (!added) return refuse(added.error());
   if (*added) wake_mailer_();
   return {};
@@ -176,8 +183,10 @@ Outcome<std::string> Sharing::public_name(const Principal& who) {
 }
 
 Outcome<void> Sharing::set_public_name(const Principal& who, const std::string& name) {
-  if (name.find('@') != std::string::npos) {
-    return refuse_field("public_name", "Choose a name, not an address: everybody sees it.");
+  if (!is_plain_name(name)) {
+    return refuse_field(
+        "public_name",
+        "A name has letters, digits, spaces, hyphens and apostrophes. Others see it.");
   }
   const auto done = parts_.store.set_public_name(who.user_id, name);
   if (!done) return refuse(done.error());

@@ -27,7 +27,7 @@ export const sharing: Texts["sharing"] = {
   },
   people: {
     title: "Mit Menschen, die Sie nennen",
-    lead: "Sie melden sich mit dieser Adresse an und finden die Aufnahme bei ihren Aufnahmen. Wir sagen niemandem, auch Ihnen nicht, ob es zu einer Adresse ein Konto gibt: Eine Einladung wartet.",
+    lead: "Wir schicken ihnen eine E-Mail, in der Ihre E-Mail-Adresse und Ihr öffentlicher Name stehen. Sie melden sich mit der Adresse an, die Sie hier eingeben, und finden die Aufnahme bei ihren Aufnahmen. Wir sagen niemandem, auch Ihnen nicht, ob es zu einer Adresse ein Konto gibt. Wer noch keines hat, findet die Einladung später vor.",
     email: "E-Mail-Adresse",
     may: "Sie dürfen",
     view: "sie ansehen",
@@ -59,7 +59,7 @@ export const sharing: Texts["sharing"] = {
     first_cut: "Schneiden Sie zuerst weg, woran man den Menschen erkennen könnte, und bestätigen Sie es. An einer Aufnahme kann man ein Gesicht erkennen.",
     cut: "Schneiden und anonym machen",
     name: "Ihr öffentlicher Name",
-    name_hint: "Er steht bei dem, was Sie teilen, nie Ihre Adresse. Leer: Es wird kein Name gezeigt.",
+    name_hint: "Er steht in der Galerie bei Ihren Aufnahmen, ohne Ihre E-Mail-Adresse. Ohne Eingabe wird kein Name gezeigt. Erlaubt sind Buchstaben, Ziffern, Leerzeichen, Bindestriche und Apostrophe.",
     publish: "In die Galerie stellen",
     hide: "Aus der Galerie nehmen",
     is_public: "Sie ist in der Galerie.",

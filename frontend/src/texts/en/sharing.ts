@@ -25,7 +25,7 @@ export const sharing = {
   } as Readonly<Record<string, string>>,
   people: {
     title: "With people you name",
-    lead: "They sign in with this address and find the scan under their scans. We tell nobody, not even you, whether an address has an account: an invitation waits.",
+    lead: "We send them an email that shows your email address and your public name. They sign in with the address you enter here and find the scan under their scans. We tell nobody, not even you, whether an address has an account. If they don't have one yet, the invitation waits for them.",
     email: "E-mail address",
     may: "They may",
     view: "look at it",
@@ -57,7 +57,7 @@ export const sharing = {
     first_cut: "First cut away what could show who it is, and confirm it. A face can be recognised from a scan.",
     cut: "Cut and make anonymous",
     name: "Your public name",
-    name_hint: "Shown beside what you share, never your address. Empty: no name is shown.",
+    name_hint: "Shown next to your scans in the gallery, without your email address. Leave it empty to show no name. Use letters, digits, spaces, hyphens and apostrophes.",
     publish: "Put it into the gallery",
     hide: "Take it out of the gallery",
     is_public: "It is in the gallery.",
