@@ -21,6 +21,7 @@ class AdministrationRepository final : public AdministrationStore {
   Result<void> note(const AuditEntry& entry, Time now) override;
   Result<std::vector<AuditRecord>> audit(const AuditFilter& filter) override;
   Result<IngestQueue> ingest_queue() override;
+  Result<std::vector<std::string>> ready_data_sets(const std::string& user_id) override;
 
  private:
   Database& database_;

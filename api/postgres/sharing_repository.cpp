@@ -218,7 +218,7 @@ Result<std::string> SharingRepository::public_name(const std::string& user_id) {
     const pqxx::result rows =
         transaction.exec_params("SELECT public_name FROM users WHERE id = $1", user_id);
     if (rows.empty()) return none("There is no such account.");
-    return rows[0][0].as<std::string>();
+    return shown_name(rows[0][0].as<std::string>());
   });
 }
 
@@ -266,8 +266,9 @@ Result<Visit> SharingRepository::find_visit(const std::string& session_id, Time 
         SELECT v.data_set_id, COALESCE(v.link_id::text, ''),
                (extract(epoch FROM v.expires_at) * 1000000)::bigint
           FROM visits v JOIN data_sets d ON d.id = v.data_set_id
+          LEFT JOIN users o ON o.id = d.owner_id
          WHERE v.session_id = $1 AND v.expires_at > to_timestamp($2::bigint / 1e6)
-           AND d.taken_down_at IS NULL)sql",
+           AND d.taken_down_at IS NULL AND o.disabled_at IS NULL)sql",
         session_id, to_us(now));
     if (rows.empty()) return none("There is no such visit.");
     return Visit{session_id, rows[0][0].as<std::string>(), rows[0][1].as<std::string>(),

@@ -65,6 +65,16 @@ Outcome<UserRecord> Administration::find(const std::string& id) {
   return **std::move(found);
 }
 
+bool Administration::end_pictures(const std::string& id) {
+  bool ended = placement_.end_all_by(id).has_value();
+  const auto data_sets = store_.ready_data_sets(id);
+  if (!data_sets) return false;
+  for (const std::string& one : *data_sets) {
+    ended = placement_.end_all_of(one).has_value() && ended;
+  }
+  return ended;
+}
+
 Outcome<UserRecord> Administration::change(const Principal& who, const std::string& id,
                                            const UserChange& change) {
   if (!is_id(id)) return no_such_account();
@@ -74,7 +84,7 @@ Outcome<UserRecord> Administration::change(const Principal& who, const std::stri
   const auto done = store_.change(who.user_id, id, change, clock_.wall());
   if (!done) return refuse(done.error());
   if (!*done) return no_such_account();
-  if (change.disabled.value_or(false) && !placement_.end_all_by(id)) {
+  if (change.disabled.value_or(false) && !end_pictures(id)) {
     log::warning("pictures of a disabled account not ended", {{"user", id}});
   }
   return find(id);

@@ -60,6 +60,8 @@ class AdministrationStore {
   /// Newest first.
   virtual Result<std::vector<AuditRecord>> audit(const AuditFilter& filter) = 0;
   virtual Result<IngestQueue> ingest_queue() = 0;
+  /// Those that others may be looking at.
+  virtual Result<std::vector<std::string>> ready_data_sets(const std::string& user_id) = 0;
 };
 
 /// What administrators see and do. Who may is checked before (handlers/front.h). What is looked at
@@ -93,6 +95,8 @@ class Administration {
 
  private:
   Outcome<UserRecord> find(const std::string& id);
+  /// Every picture of the account, and everybody's of its data sets. False: not all, Redis is away.
+  bool end_pictures(const std::string& id);
   /// `subject_id` may be empty: of many.
   Outcome<void> note_look(const Principal& who, std::string action, std::string subject,
                           std::string subject_id, std::vector<AuditDetail> details);

@@ -7,7 +7,8 @@ import uuid
 
 import httpx
 import pytest
-from api_client import add_worker, api, client, forget_attempts, make_ready, one, other, person, problem, remove_worker  # noqa: F401
+from api_client import (CONTRACT, add_worker, api, client, forget_attempts, make_ready, one, other, person, problem,  # noqa: F401
+                        remove_worker)
 
 
 @pytest.fixture
@@ -127,7 +128,8 @@ def test_an_invitation_waits_for_the_address_and_tells_nobody(api, one, other): 
     assert {frozenset(p) for p in shown} == {frozenset({"id", "email", "may", "created_at"})}
     mails = api.wait_until(lambda: api.mails(stranger), what="the invitation")
     text = mails[-1].get_content()
-    assert "Wrist" not in text and one.email not in text and f"{api.url}/scans" in text
+    assert "Wrist" not in text and f"{api.url}/scans" in text
+    assert text.startswith(f"{one.email} shared a scan with you on Diaphane.")
     from api_client import Person
 
     late = Person(api, stranger)
@@ -139,6 +141,71 @@ def test_an_invitation_waits_for_the_address_and_tells_nobody(api, one, other): 
     assert late.http.get(f"/v1/data-sets/{made}").status_code == 200
     problem(one.http.post(f"/v1/data-sets/{made}/people", json={"email": one.email, "may": "view"}), 422, "invalid")
     problem(one.http.post(f"/v1/data-sets/{made}/people", json={"email": "nobody", "may": "view"}), 422, "invalid")
+
+
+@pytest.mark.parametrize("name", ["Your account ends. Go: http://evil.ex/x", "evil.example", "me@example.org", "Hello! Click",
+                                  'Diaphane" says', "\u201cDiaphane\u201d", "evil\u3002example"])
+def test_a_name_that_could_pass_for_something_else_is_refused(one, name):  # noqa: F811
+    problem(one.http.patch("/v1/me/public-name", json={"public_name": name}), 422, "invalid")
+
+
+def test_a_name_in_a_mail_to_a_stranger_is_quoted_beside_the_confirmed_address(api):  # noqa: F811
+    one = person(api)
+    made = ready(api, one)
+    assert one.http.patch("/v1/me/public-name", json={"public_name": " Ann\u202e  O\u2019Hill\u200b "}).status_code == 204
+    assert one.http.get("/v1/me/public-name").json() == {"public_name": "Ann O\u2019Hill"}
+    # One that was chosen before names were checked is not shown.
+    for kept, first in (("Ann O\u2019Hill", f'"Ann O\u2019Hill" ({one.email})'), ("Pay at evil.ex/x", one.email)):
+        api.psql("UPDATE users SET public_name = %s WHERE id = %s", kept, one.id)
+        stranger = f"stranger-{uuid.uuid4().hex[:8]}@example.org"
+        share(one, made, stranger)
+        [mail] = api.wait_until(lambda address=stranger: api.mails(address), what="the invitation")
+        assert mail.get_content().startswith(f"{first} shared a scan with you on Diaphane.\n")
+        assert mail["Subject"] == "A scan was shared with you on Diaphane"
+    api.psql("UPDATE data_sets SET anonymised_at = now() WHERE id = %s", made)
+    assert publish(one, made).json()["owner_name"] == ""
+
+
+def test_what_a_disabled_account_shared_does_not_exist_until_it_is_enabled_again(api, worker):  # noqa: F811
+    owner, friend, other = person(api), person(api), person(api)
+    admin = person(api).becomes_administrator()
+    public, private = ready(api, owner, "Public", anonymised=True), ready(api, owner, "Private")
+    assert publish(owner, public).status_code == 200
+    share(owner, private, friend.email)
+    token = make_link(owner, private)["token"]
+    foreign = ready(api, other, "Foreign", anonymised=True)
+    assert publish(other, foreign).status_code == 200
+    scene = CONTRACT.spec["components"]["schemas"]["Scene"]["example"]
+    preset = owner.http.post(f"/v1/data-sets/{foreign}/presets", json={"name": "Mine", "scene": scene}).json()["id"]
+
+    def visit() -> httpx.Response:
+        return client(api).post("/v1/visits", json={"key": secrets.token_hex(32), "token": token})
+
+    def answers() -> list[int]:
+        return [friend.http.get(f"/v1/data-sets/{private}").status_code,
+                friend.http.post("/v1/sessions", json={"data_set_id": private}).status_code,
+                other.http.get(f"/v1/data-sets/{public}").status_code,
+                other.http.get(f"/v1/data-sets/{public}/presets").status_code,
+                client(api).post("/v1/follow", json={"token": token}).status_code, visit().status_code,
+                other.http.get(f"/v1/presets/{preset}").status_code]
+
+    def listed() -> list[bool]:
+        return [public in {item["id"] for item in other.http.get("/v1/gallery", params={"q": "Public", "limit": 100}).json()["items"]},
+                private in {item["id"] for item in friend.http.get("/v1/data-sets").json()["items"]},
+                preset in {item["id"] for item in other.http.get(f"/v1/data-sets/{foreign}/presets").json()["items"]}]
+
+    before = answers()
+    assert set(before) <= {200, 201} and listed() == [True] * 3
+    running = [session_of(friend, private), session_of(other, public), visit().json()["session_id"]]
+    elsewhere = session_of(other, foreign)
+    assert all(runs(api, each) for each in running)
+    path = f"/v1/admin/users/{owner.id}"
+    assert admin.http.patch(path, json={"disabled": True}).status_code == 200
+    assert [runs(api, each) for each in [*running, elsewhere]] == [False, False, False, True]
+    assert answers() == [404] * 7 and listed() == [False] * 3
+    problem(friend.http.post(f"/v1/sessions/{running[0]}/tickets"), 404, "not-found")
+    assert admin.http.patch(path, json={"disabled": False}).status_code == 200
+    assert answers() == before and listed() == [True] * 3
 
 
 def test_nothing_becomes_public_before_it_was_made_anonymous(api, one):  # noqa: F811
