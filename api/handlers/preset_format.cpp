@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include "api/handlers/representations.h"
+#include "common/names.h"
 #include "scene/scene.h"
 #include "scene/scene_xml.h"
 
@@ -87,7 +88,8 @@ Outcome<Preset> read_preset_xml(const Request& request) {
   }
   if (!is_name(read->name)) return refuse_field("name", "must have 1 to 60 characters");
   Preset preset;
-  preset.name = read->name;
+  preset.name = clean_name(read->name, kLongestName);
+  if (preset.name.empty()) return refuse_field("name", "must have characters that are seen");
   preset.scene = *std::move(kept);
   if (read->has_unknown) preset.kept_xml = request.body;
   return preset;
@@ -120,6 +122,7 @@ nlohmann::ordered_json to_json(const Preset& preset) {
           {"author_name", preset.author_name},
           {"mine", preset.mine},
           {"is_default", preset.is_default},
+          {"changed_since_default", preset.changed_since_default},
           {"votes", preset.votes},
           {"my_vote", preset.my_vote},
           {"etag", etag_of(preset)},

@@ -1,5 +1,6 @@
 #include "api/postgres/preset_repository.h"
 
+#include "api/postgres/data_set_rows.h"
 #include "api/postgres/idempotency.h"
 
 namespace diaphane::api {
@@ -13,12 +14,13 @@ constexpr const char* kColumns = R"sql(
          COALESCE((SELECT sum(value) FROM preset_votes v WHERE v.preset_id = p.id), 0)::int AS votes,
          COALESCE((SELECT value FROM preset_votes v WHERE v.preset_id = p.id AND v.user_id = $1::uuid), 0),
          d.default_preset_id IS NOT DISTINCT FROM p.id AS is_default,
+         d.default_preset_id IS NOT DISTINCT FROM p.id AND d.default_scene IS DISTINCT FROM p.scene,
          p.author_id IS NOT DISTINCT FROM $1::uuid,
          (extract(epoch FROM p.created_at) * 1000000)::bigint,
          (extract(epoch FROM p.updated_at) * 1000000)::bigint,
          p.taken_down_at IS NOT NULL, COALESCE(p.taken_down_reason, ''),
          (extract(epoch FROM p.pictured_at) * 1000000)::bigint)sql";
-constexpr int kColumnCount = 15;
+constexpr int kColumnCount = 16;
 constexpr const char* kTables = R"sql(
     FROM presets p JOIN users u ON u.id = p.author_id JOIN data_sets d ON d.id = p.data_set_id)sql";
 
@@ -27,18 +29,19 @@ Preset read(const pqxx::row& row) {
   preset.id = row[0].as<std::string>();
   preset.data_set_id = row[1].as<std::string>();
   preset.author_id = row[2].as<std::string>();
-  preset.author_name = row[3].as<std::string>();
+  preset.author_name = shown_name(row[3].as<std::string>());
   preset.name = row[4].as<std::string>();
   preset.version = row[5].as<int>();
   preset.votes = row[6].as<int>();
   preset.my_vote = row[7].as<int>();
   preset.is_default = row[8].as<bool>();
-  preset.mine = row[9].as<bool>();
-  preset.created_at = from_us(row[10].as<std::int64_t>());
-  preset.updated_at = from_us(row[11].as<std::int64_t>());
-  preset.taken_down = row[12].as<bool>();
-  preset.taken_down_reason = row[13].as<std::string>();
-  if (!row[14].is_null()) preset.pictured_at = from_us(row[14].as<std::int64_t>());
+  preset.changed_since_default = row[9].as<bool>();
+  preset.mine = row[10].as<bool>();
+  preset.created_at = from_us(row[11].as<std::int64_t>());
+  preset.updated_at = from_us(row[12].as<std::int64_t>());
+  preset.taken_down = row[13].as<bool>();
+  preset.taken_down_reason = row[14].as<std::string>();
+  if (!row[15].is_null()) preset.pictured_at = from_us(row[15].as<std::int64_t>());
   return preset;
 }
 
@@ -56,7 +59,7 @@ Result<std::vector<Preset>> PresetRepository::list(const std::string& data_set_i
                                                    const std::string& viewer_id) {
   return database_.read([&](pqxx::work& transaction) -> Result<std::vector<Preset>> {
     const pqxx::result rows = transaction.exec_params(std::string(kColumns) + kTables + R"sql(
-         WHERE p.data_set_id = $2
+         WHERE p.data_set_id = $2 AND u.disabled_at IS NULL
          ORDER BY is_default DESC, votes DESC, p.created_at, p.id)sql",
                                                       id_or_null(viewer_id), data_set_id);
     std::vector<Preset> found;
@@ -69,7 +72,7 @@ Result<Preset> PresetRepository::find(const std::string& id, const std::string& 
   return database_.read([&](pqxx::work& transaction) -> Result<Preset> {
     const pqxx::result rows =
         transaction.exec_params(std::string(kColumns) + ", p.scene, COALESCE(p.kept_xml, '')" +
-                                    kTables + " WHERE p.id = $2",
+                                    kTables + " WHERE p.id = $2 AND u.disabled_at IS NULL",
                                 id_or_null(viewer_id), id);
     if (rows.empty()) return none();
     Preset preset = read(rows[0]);
@@ -119,6 +122,12 @@ Result<void> PresetRepository::change(const std::string& id, int version, const 
         id, version, what.name ? what.name->c_str() : nullptr,
         what.scene ? what.scene->c_str() : nullptr, to_us(now));
     if (changed.empty()) return why_not(transaction, id);
+    // An owner's own preset stays the default as it is now; of anybody else's they have a copy.
+    transaction.exec_params0(R"sql(
+        UPDATE data_sets d SET default_scene = p.scene
+          FROM presets p
+         WHERE p.id = $1 AND d.default_preset_id = p.id AND d.owner_id = p.author_id)sql",
+                             id);
     return {};
   });
 }
@@ -155,7 +164,9 @@ Result<void> PresetRepository::set_default(const std::string& data_set_id,
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     const pqxx::result done = transaction.exec_params(
         R"sql(
-        UPDATE data_sets SET default_preset_id = $2::uuid
+        UPDATE data_sets
+           SET default_preset_id = $2::uuid,
+               default_scene = (SELECT scene FROM presets WHERE id = $2::uuid)
          WHERE id = $1 AND ($2::uuid IS NULL OR EXISTS (
                SELECT 1 FROM presets
                 WHERE id = $2::uuid AND data_set_id = $1 AND taken_down_at IS NULL))
@@ -170,7 +181,7 @@ Result<std::string> PresetRepository::default_scene(const std::string& data_set_
   return database_.read([&](pqxx::work& transaction) -> Result<std::string> {
     const pqxx::result rows = transaction.exec_params(
         R"sql(
-        SELECT p.scene FROM data_sets d JOIN presets p ON p.id = d.default_preset_id
+        SELECT d.default_scene FROM data_sets d JOIN presets p ON p.id = d.default_preset_id
          WHERE d.id = $1 AND p.taken_down_at IS NULL)sql",
         data_set_id);
     if (rows.empty()) return std::string();

@@ -20,6 +20,8 @@ struct Preset {
   int votes = 0;    ///< for it less against it
   int my_vote = 0;  ///< -1, 0, 1
   bool is_default = false;
+  /// The default, and its author has changed the scene since the owner chose it.
+  bool changed_since_default = false;
   bool mine = false;        ///< of the one who asked
   bool taken_down = false;  ///< by an administrator: there for its author and administrators alone
   std::string taken_down_reason;

@@ -326,6 +326,18 @@ def test_whoever_opens_the_scan_sees_the_owners_default_first(api, one, other, t
     assert one.http.post(f"/v1/data-sets/{shown}/default-preset", json={"preset_id": crowd["id"]}).status_code == 204
     first = [opened(one), opened(other), opened(third), visited()]
     assert [scene.bounces for scene in first] == [9] * 4 and all(scene.camera.eye.y == -500 for scene in first)
+    # What its author makes of it later is not what the owner chose, until they choose it again.
+    crowd = other.http.patch(f"/v1/presets/{crowd['id']}", json={"scene": SCENE | {"bounces": 7}},
+                             headers={"If-Match": crowd["etag"]}).json()
+    assert crowd["is_default"] and crowd["changed_since_default"] and crowd["scene"]["bounces"] == 7
+    assert [scene.bounces for scene in (opened(one), opened(other), visited())] == [9] * 3
+    assert one.http.post(f"/v1/data-sets/{shown}/default-preset", json={"preset_id": crowd["id"]}).status_code == 204
+    assert opened(other).bounces == 7 and not other.http.get(f"/v1/presets/{crowd['id']}").json()["changed_since_default"]
+    mine = save(one, shown, "The owner's").json()
+    assert one.http.post(f"/v1/data-sets/{shown}/default-preset", json={"preset_id": mine["id"]}).status_code == 204
+    mine = one.http.patch(f"/v1/presets/{mine['id']}", json={"scene": SCENE | {"bounces": 5}}, headers={"If-Match": mine["etag"]}).json()
+    assert opened(other).bounces == 5 and not mine["changed_since_default"], "an owner sees what they change"
+    assert one.http.post(f"/v1/data-sets/{shown}/default-preset", json={"preset_id": crowd["id"]}).status_code == 204
     # Of a session that is there nothing changes: it shows what it has become.
     kept = one.http.post("/v1/sessions", json={"data_set_id": shown}, headers={"Idempotency-Key": "mine"}).json()["session_id"]
     api.redis.hset(f"diaphane:session:{kept}", "scene", "as it is")

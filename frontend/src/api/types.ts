@@ -163,6 +163,8 @@ export interface PresetInfo {
   readonly author_name: string;
   readonly mine: boolean;
   readonly is_default: boolean;
+  /** The default, and its author has changed it since the owner chose it: the scan opens with what it was then. */
+  readonly changed_since_default: boolean;
   readonly votes: number;
   readonly my_vote: number;
   readonly etag: string;

@@ -26,6 +26,8 @@ export const presets: Texts["presets"] = {
   remove_sure: (name) => `„${name}“ endgültig löschen?`,
   set_default: "So öffnen",
   set_default_of: (name) => `So öffnen: ${name}`,
+  update_default: "Neue Fassung verwenden",
+  update_default_of: (name) => `Mit der neuen Fassung von ${name} öffnen`,
   unset_default: "Nicht so öffnen",
   unset_default_of: (name) => `Nicht so öffnen: ${name}`,
   votes: (n) => count(n, "Stimme", "Stimmen"),

@@ -24,6 +24,8 @@ export const presets = {
   remove_sure: (name: string) => `Delete “${name}” for good?`,
   set_default: "Open with this",
   set_default_of: (name: string) => `Open with this: ${name}`,
+  update_default: "Use the new version",
+  update_default_of: (name: string) => `Open with the new version of ${name}`,
   unset_default: "Do not open with this",
   unset_default_of: (name: string) => `Do not open with this: ${name}`,
   votes: (n: number) => (n === 1 || n === -1 ? `${n} vote` : `${n} votes`),

@@ -136,6 +136,10 @@ function PresetRow({ preset, session, set, act, current }: PresetRowProps) {
     await api.set_default(set.id, preset.is_default ? null : preset);
     return text.done;
   });
+  const update_default = () => act(async () => {
+    await api.set_default(set.id, preset);
+    return text.done;
+  });
   const small = (label: string, of: string, onClick: () => void) => (
     <button type="button" class="button button-small" aria-label={of} onClick={onClick}>{label}</button>
   );
@@ -159,6 +163,7 @@ function PresetRow({ preset, session, set, act, current }: PresetRowProps) {
         {preset.mine ? small(text.rename, text.rename_of(preset.name), () => set_asking("rename")) : null}
         {preset.mine ? small(text.overwrite, text.overwrite_of(preset.name), overwrite) : null}
         {set.owned ? small(preset.is_default ? text.unset_default : text.set_default, (preset.is_default ? text.unset_default_of : text.set_default_of)(preset.name), set_default) : null}
+        {set.owned && preset.changed_since_default ? small(text.update_default, text.update_default_of(preset.name), update_default) : null}
         <a class="button button-small" href={preset_xml_path(preset.id)} download={`${preset.name}.xml`} aria-label={text.export_of(preset.name)}>{text.export}</a>
         {set.is_public && !set.owned && !preset.mine ? small(text.report, text.report_of(preset.name), () => set_asking("report")) : null}
         {preset.mine || set.owned ? small(text.remove, text.remove_of(preset.name), () => set_asking("remove")) : null}

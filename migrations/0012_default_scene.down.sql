@@ -1,0 +1,1 @@
+ALTER TABLE data_sets DROP COLUMN default_scene;
