@@ -131,6 +131,22 @@ TEST(BuildVolume, HounsfieldUnitsAreClampedAndSaid) {
   EXPECT_EQ(v->header.repairs.size(), 1u);
 }
 
+TEST(BuildVolume, RefusesAScaleThatClipsManyValues) {
+  Options options = plain_ct();
+  options.series.slope = 900;
+  options.series.intercept = 0;
+  options.change = [](int, SeriesSpec&, SliceSpec& slice) {
+    for (std::size_t i = 0; i < slice.pixels.size(); i += 2) {
+      slice.pixels[i] = static_cast<std::uint8_t>(100);
+      slice.pixels[i + 1] = 0;
+    }
+  };
+  const auto v = built(files_of(options));
+  ASSERT_FALSE(v.has_value()) << "every voxel would be 32767";
+  EXPECT_EQ(v.error().code, ErrorCode::kUnsupported);
+  EXPECT_NE(v.error().message.find("scale"), std::string::npos);
+}
+
 TEST(BuildVolume, MrBeyondInt16IsHalvedAndSaid) {
   Options options = plain_ct();
   options.series.sop_class = "1.2.840.10008.5.1.4.1.1.4";

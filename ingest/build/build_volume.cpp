@@ -14,6 +14,10 @@ namespace {
 
 constexpr std::int32_t kLow = std::numeric_limits<std::int16_t>::min();
 constexpr std::int32_t kHigh = std::numeric_limits<std::int16_t>::max();
+constexpr std::int32_t kHighUnsigned = std::numeric_limits<std::uint16_t>::max();
+/// Metal and the rims of detectors lie beyond what is kept, in few voxels. Where it is a larger
+/// share, the scale is wrong, and the picture would be of clipped values.
+constexpr double kLargestClippedShare = 0.1;
 
 /// Values go into int16 as their low 16 bits while slices come; what that costs is settled at the
 /// end.
@@ -24,7 +28,7 @@ class Voxels {
   void put(const dicom::Values& values, std::int16_t* to) {
     padded_ += values.padded;
     for (const std::int32_t value : values.values) {
-      const std::int32_t kept = is_ct_ ? std::clamp(value, kLow, kHigh) : value;
+      const std::int32_t kept = std::clamp(value, kLow, is_ct_ ? kHigh : kHighUnsigned);
       clamped_ += kept != value ? 1 : 0;
       largest_ = std::max(largest_, kept);
       *to++ = static_cast<std::int16_t>(kept);
@@ -33,16 +37,24 @@ class Voxels {
 
   std::uint64_t padded() const { return padded_; }
 
-  /// MR and PT of 16 unsigned bits reach 65535: then all values are halved.
-  void settle(volume::Volume& volume) const {
-    if (clamped_ > 0) {
-      volume.header.repairs.emplace_back("values beyond 32767 Hounsfield units were cut");
+  /// MR and PT of 16 unsigned bits reach 65535: then all values are halved. kUnsupported where too
+  /// many values were clipped.
+  Result<void> settle(volume::Volume& volume) const {
+    const auto voxels = static_cast<double>(volume.voxels.size());
+    if (static_cast<double>(clamped_) > kLargestClippedShare * voxels) {
+      return fail(ErrorCode::kUnsupported,
+                  "many of its values are too large to be kept; the scale in the files is wrong");
     }
-    if (largest_ <= kHigh) return;
+    if (clamped_ > 0) {
+      volume.header.repairs.emplace_back(is_ct_ ? "values beyond 32767 Hounsfield units were cut"
+                                                : "values beyond 65535 were cut");
+    }
+    if (largest_ <= kHigh) return {};
     for (std::int16_t& voxel : volume.voxels) {
       voxel = static_cast<std::int16_t>(static_cast<std::uint16_t>(voxel) >> 1);
     }
     volume.header.repairs.emplace_back("values were halved to be stored");
+    return {};
   }
 
  private:
@@ -98,7 +110,7 @@ Result<Built> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
     };
     if (auto ok = source.visit(want, take); !ok) return tl::unexpected(ok.error());
     if (done != found.order.size()) return fail(ErrorCode::kInvalid, "a file has gone");
-    voxels.settle(volume);
+    if (auto ok = voxels.settle(volume); !ok) return tl::unexpected(ok.error());
     const auto air = static_cast<std::int16_t>(dicom::air_of(found.modality));
     built.filler = {air, voxels.padded()};
     if (!found.sources.empty()) resample(found, air, built);

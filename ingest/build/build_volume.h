@@ -14,7 +14,8 @@ struct Built {
 
 /// The volume of the series `choice.index` of `scan`: each slice decoded into its place, values as
 /// dicom::to_values gives them, clamped to int16, then resampled where the slices alone are no
-/// volume. kInvalid when a slice cannot be decoded; kOutOfMemory; what `source` fails with.
+/// volume. kInvalid when a slice cannot be decoded; kUnsupported when many values do not fit into
+/// 16 bits; kOutOfMemory; what `source` fails with.
 /// Precondition: `choice.suitable`, and `source` has the files that it had when `scan` was made.
 Result<Built> build_volume(dicom::FileSource& source, const dicom::Scan& scan,
                            const dicom::Choice& choice, const dicom::Limits& limits);

@@ -19,6 +19,21 @@ std::string counted(std::size_t n, const char* one, const char* many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
+/// Scales of real scans lie far within. Beyond them, no value of a slice fits into 16 bits, or the
+/// numbers of the header overflow.
+constexpr double kLargestCtSlope = 1000;
+constexpr double kLargestCtIntercept = 1e5;
+constexpr double kSmallestSlope = 1e-12, kLargestSlope = 1e12;
+constexpr double kLargestStored = 65535;
+
+bool is_plausible(const Rescale& scale, bool is_ct) {
+  const double slope = std::abs(scale.slope);
+  if (!std::isfinite(slope) || !std::isfinite(scale.intercept)) return false;
+  if (slope < kSmallestSlope) return false;
+  if (!is_ct) return slope <= kLargestSlope;
+  return slope <= kLargestCtSlope && std::abs(scale.intercept) <= kLargestCtIntercept;
+}
+
 /// One rule after another over the slices that are left; the first that objects decides.
 class Judge {
  public:
@@ -243,7 +258,8 @@ class Judge {
       return refuse("mixed", "The series mixes slices and negatives of slices.");
     }
     const Rescale& scale = first().rescale;
-    if (any([](const Slice& s) { return s.rescale.slope == 0; })) {
+    const bool is_ct = result_.modality == volume::Modality::kCt;
+    if (any([&](const Slice& s) { return !is_plausible(s.rescale, is_ct); })) {
       return refuse("bad_rescale", "The scale of the slices makes no sense.");
     }
     const bool varies = any([&](const Slice& s) {
@@ -253,6 +269,11 @@ class Judge {
       // Case 15. The slice with the largest scale keeps its numbers, the others' become smaller.
       for (const std::size_t i : kept_) {
         result_.unit = std::max(result_.unit, std::abs(slices_[i].rescale.slope));
+      }
+      if (any([&](const Slice& s) {
+            return std::abs(s.rescale.intercept) > kLargestStored * result_.unit;
+          })) {
+        return refuse("bad_rescale", "The scale of the slices makes no sense.");
       }
       result_.repairs.emplace_back(
           "each slice had a scale of its own; all were brought to one scale");

@@ -246,6 +246,17 @@ TEST(Case15, AScaleOfItsOwnForEachSliceIsTakenIntoOne) {
   EXPECT_EQ(code_of(options), "bad_rescale");
 }
 
+TEST(Scale, RefusesScalesThatNoScanHas) {
+  for (const double slope : {1e38, -1e38, 1e300, 1e-300}) {
+    Options options = plain_ct();
+    options.series.slope = slope;
+    EXPECT_EQ(code_of(options), "bad_rescale") << slope;
+  }
+  Options options = plain_ct();
+  options.series.intercept = 1e30;
+  EXPECT_EQ(code_of(options), "bad_rescale");
+}
+
 TEST(Case18, ColourIsScreenshots) {
   Options options = plain_ct();
   options.series.photometric = "RGB";

@@ -87,6 +87,16 @@ describe("what can become a volume", () => {
     expect([sized(6000, false), sized(12000, false)]).toEqual(["suitable", "too_large"]);
   });
 
+  it("refuses a scale that no scan has", async () => {
+    const found = await headers(series(() => ({})));
+    const reason = (change: Partial<SliceHeader>) => {
+      const verdict = judge(found.map((slice) => ({ ...slice, ...change })));
+      return verdict.suitable ? "suitable" : verdict.reason;
+    };
+    expect([0, 1e38, -1e38, 1e-300, 1].map((slope) => reason({ slope }))).toEqual([...Array<string>(4).fill("bad_rescale"), "suitable"]);
+    expect(reason({ intercept: 1e30 })).toBe("bad_rescale");
+  });
+
   it.each<[string, Blob[]]>([
     ["too_few_slices", series(() => ({}), 3)],
     ["too_short", series(() => ({}), 24, 0.5)],

@@ -99,10 +99,17 @@ function judge_geometry(slices: readonly SliceHeader[], left_out: LeftOut): Chos
 /** So many pictures of another direction are scouts without the word; more are another series. */
 const most_strangers = 3;
 
+/** Scales of real scans lie far within these bounds, which are those of ingest/dicom/classify.cpp. */
+function is_plausible_scale(slice: SliceHeader): boolean {
+  const size = Math.abs(slice.slope);
+  if (!Number.isFinite(size) || !Number.isFinite(slice.intercept) || size < 1e-12) return false;
+  return slice.modality === "CT" ? size <= 1000 && Math.abs(slice.intercept) <= 1e5 : size <= 1e12;
+}
+
 function judge_scale(slices: readonly SliceHeader[]): Unsuitable | null {
   if (slices.some((slice) => slice.has_lookup_table)) return refuse("lookup_table");
   if (slices.some((slice) => slice.photometric !== slices[0]?.photometric)) return refuse("mixed", slices.length);
-  if (slices.some((slice) => slice.slope === 0)) return refuse("bad_rescale");
+  if (slices.some((slice) => !is_plausible_scale(slice))) return refuse("bad_rescale");
   const unknown = (slice: SliceHeader) => slice.modality === "CT" && !slice.has_scale && !slice.is_signed;
   if (slices.some(unknown)) return refuse("no_rescale");
   if (slices.some((slice) => ![8, 16].includes(slice.bits_allocated))) return refuse("pixel_format");
