@@ -1,7 +1,11 @@
 // diaphane-ingestd: wiring only.
 #include <atomic>
 #include <cstdio>
+#include <functional>
+#include <memory>
+#include <optional>
 #include <thread>
+#include <vector>
 
 #include "common/config.h"
 #include "common/ids.h"
@@ -33,6 +37,7 @@ struct Options {
   std::uint16_t admin_port = 0;
   std::string admin_address;
   std::chrono::milliseconds lease{5000};
+  std::uint64_t light_mb = 0;
   ingest::SandboxBuilder::Options builder;
   std::optional<ingest::CheckedBuilder::Options> antivirus;
   ingest::Worker::Options worker;
@@ -45,7 +50,7 @@ std::optional<ingest::CheckedBuilder::Options> read_antivirus(ConfigReader& in,
       in.text("antivirus", "clamd: path of its socket, or host:port; empty: none", "");
   options.pass_unchecked =
       in.one_of("antivirus-away", "what is done with uploads while clamd cannot be asked",
-                {"refuse", "pass"}, "refuse") == "pass";
+                {"wait", "pass"}, "wait") == "pass";
   options.clamd.silence = std::chrono::seconds(in.integer(
       "antivirus-silence-s", "clamd may be as long without an answer, seconds", 1, 3600, 30));
   options.clamd.most_bytes =
@@ -82,11 +87,19 @@ std::optional<int> read_options(int argc, char** argv, Options& options) {
       in.integer("time-limit-s", "time of a child, seconds", 1, 86400, 300));
   options.builder.quota_mb =
       static_cast<std::uint64_t>(in.integer("quota-mb", "the largest volume, MiB", 1, 8192, 2048));
+  options.builder.reserve_mb = static_cast<std::uint64_t>(
+      in.integer("disk-reserve-mb", "kept free on the disks of volumes and scratch files, MiB", 0,
+                 1'000'000, 256));
+  options.light_mb = static_cast<std::uint64_t>(
+      in.integer("light-mb",
+                 "a second worker takes uploads and volumes up to this size, MiB; 0: there is none",
+                 0, 8192, 256));
   options.lease = std::chrono::milliseconds(
       in.integer("lease-ms", "how long a job is held between renewals", 500, 600000, 5000));
   options.worker.renew = options.lease * 3 / 10;
   options.antivirus = read_antivirus(in, plain_allowed);
   options.builder.program = "/proc/self/exe";
+  options.builder.volume_dir = options.worker.volume_dir;
   return in.finish("diaphane-ingestd: makes volumes of uploaded series");
 }
 
@@ -95,6 +108,41 @@ void sweep(const Options& options) {
   const auto scratch = ingest::sweep_scratch(options.builder.scratch_dir);
   log::info("swept", {{"volumes", volumes.value_or(0)}, {"scratch", scratch}});
 }
+
+/// One worker with all that it needs, in a thread of its own. Children end with the thread that
+/// made them (supervisor.cpp): it lives as long as the work does.
+class Lane {
+ public:
+  /// `light_mb` above 0: it takes only jobs up to that size.
+  Lane(const Options& options, std::uint64_t light_mb,
+       const std::function<void(const std::string&)>& malware, const ingest::WorkerEvents& events)
+      : jobs_({options.postgres, new_id(), options.lease, light_mb << 20}),
+        sandbox_(with_light(options.builder, light_mb)) {
+    if (options.antivirus) checked_.emplace(*options.antivirus, sandbox_, malware);
+    ingest::Builder& first = checked_ ? static_cast<ingest::Builder&>(*checked_) : sandbox_;
+    worker_.emplace(options.worker, jobs_, first, events);
+    thread_ = std::thread([this] { worker_->run(); });
+  }
+  ~Lane() {
+    stop();
+    thread_.join();
+  }
+  Lane(const Lane&) = delete;
+  Lane& operator=(const Lane&) = delete;
+  void stop() { worker_->stop(); }
+
+ private:
+  static ingest::SandboxBuilder::Options with_light(ingest::SandboxBuilder::Options options,
+                                                    std::uint64_t light_mb) {
+    options.light_mb = light_mb;
+    return options;
+  }
+  ingest::PostgresJobs jobs_;
+  ingest::SandboxBuilder sandbox_;
+  std::optional<ingest::CheckedBuilder> checked_;
+  std::optional<ingest::Worker> worker_;
+  std::thread thread_;
+};
 
 int serve(const Options& options) {
   service::StopSignal stop;
@@ -116,21 +164,18 @@ int serve(const Options& options) {
   ingest::Metrics metrics((*admin)->registry());
   ingest::WorkerEvents events = metrics.events();
   events.postgres = [&](bool there) { postgres_there = there; };
-  ingest::PostgresJobs jobs(options.postgres, new_id(), options.lease);
-  ingest::SandboxBuilder builder(options.builder);
-  std::optional<ingest::CheckedBuilder> checked;
-  if (options.antivirus) checked.emplace(*options.antivirus, builder, metrics.antivirus());
-  ingest::Builder& first = checked ? static_cast<ingest::Builder&>(*checked) : builder;
-  ingest::Worker worker(options.worker, jobs, first, std::move(events));
-  // Children end with the thread that made them (supervisor.cpp): it lives as long as the work
-  // does.
-  std::thread thread([&] { worker.run(); });
+  const auto malware = options.antivirus ? metrics.antivirus() : nullptr;
+  std::vector<std::unique_ptr<Lane>> lanes;
+  lanes.push_back(std::make_unique<Lane>(options, 0, malware, events));
+  if (options.light_mb > 0) {
+    lanes.push_back(std::make_unique<Lane>(options, options.light_mb, malware, events));
+  }
   log::info("started");
   const int signal = stop.wait();
   log::info("draining", {{"signal", signal}});
   (*admin)->set_draining();
-  worker.stop();
-  thread.join();
+  for (const auto& lane : lanes) lane->stop();
+  lanes.clear();
   log::info("stopped");
   return 0;
 }

@@ -12,6 +12,8 @@ struct Metrics::Impl {
   prometheus::Histogram& seconds;
   prometheus::Gauge& peak;
   prometheus::Gauge& depth;
+  prometheus::Gauge& waiting;
+  prometheus::Family<prometheus::Counter>& waits;
 };
 
 Metrics::Metrics(prometheus::Registry& registry)
@@ -35,7 +37,19 @@ Metrics::Metrics(prometheus::Registry& registry)
                          .Name("diaphane_ingest_queue_depth")
                          .Help("Uploads that wait or are being read.")
                          .Register(registry)
-                         .Add({})}) {
+                         .Add({}),
+                     prometheus::BuildGauge()
+                         .Name("diaphane_ingest_waiting")
+                         .Help("Of these, uploads that wait for room, memory or a service.")
+                         .Register(registry)
+                         .Add({}),
+                     prometheus::BuildCounter()
+                         .Name("diaphane_ingest_waits_total")
+                         .Help("Attempts put off, by what was missing: room, memory or service.")
+                         .Register(registry)}) {
+  for (const auto reason : {WaitReason::kRoom, WaitReason::kMemory, WaitReason::kService}) {
+    impl_->waits.Add({{"for", to_string(reason)}});
+  }
   impl_->jobs.Add({{"result", "ready"}});  // shown as 0 before the first
 }
 Metrics::~Metrics() = default;
@@ -48,7 +62,13 @@ WorkerEvents Metrics::events() {
     self->seconds.Observe(seconds);
     self->peak.Set(static_cast<double>(peak));
   };
-  events.queue_depth = [self](std::int64_t depth) { self->depth.Set(static_cast<double>(depth)); };
+  events.queue = [self](const QueueState& queue) {
+    self->depth.Set(static_cast<double>(queue.jobs));
+    self->waiting.Set(static_cast<double>(queue.waiting));
+  };
+  events.waits = [self](WaitReason reason) {
+    self->waits.Add({{"for", to_string(reason)}}).Increment();
+  };
   return events;
 }
 

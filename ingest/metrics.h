@@ -9,7 +9,7 @@
 namespace diaphane::ingest {
 
 /// diaphane_ingest_jobs_total{result}, _build_seconds, _child_peak_bytes (the last child's),
-/// _queue_depth, and _antivirus_total where uploads are checked.
+/// _queue_depth, _waiting, _waits_total{for}, and _antivirus_total where uploads are checked.
 class Metrics {
  public:
   explicit Metrics(prometheus::Registry& registry);

@@ -43,6 +43,8 @@ nlohmann::ordered_json to_json(const DataSet& d) {
   if (d.state == DataSetState::kRefused) {
     json["refusal"] = {{"code", d.refusal_code}, {"text", d.refusal_text}};
   }
+  json["waiting_for"] = nullptr;
+  if (!d.waiting_for.empty()) json["waiting_for"] = d.waiting_for;
   json["volume"] = nullptr;
   if (d.state == DataSetState::kReady) {
     json["volume"] = {{"modality", d.modality},

@@ -12,7 +12,8 @@ constexpr const char* kSelectUser = R"sql(
          (SELECT (extract(epoch FROM max(s.used_at)) * 1000000)::bigint FROM web_sessions s WHERE s.user_id = u.id),
          u.verified_at IS NOT NULL, u.disabled_at IS NOT NULL, u.is_administrator, u.quota_bytes,
          COALESCE((SELECT sum(CASE WHEN d.state = 'ready' THEN d.volume_bytes
-                                   WHEN d.state IN ('uploading', 'queued', 'building') THEN up.length END)
+                                   WHEN d.state IN ('uploading', 'queued', 'building')
+                                   THEN COALESCE(up.length, d.volume_bytes) END)
                      FROM data_sets d LEFT JOIN uploads up ON up.data_set_id = d.id
                     WHERE d.owner_id = u.id), 0)::bigint,
          u.render_quota_ms,

@@ -12,12 +12,13 @@
 namespace diaphane::api {
 namespace {
 
+bool is_full(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
+
 /// What was begun after `start` goes, so that a full disk gets its room back; then why it failed.
 tl::unexpected<Error> given_back(int fd, std::int64_t start, int error) {
   log::error("upload part not written", {{"errno", error}});
   if (::ftruncate(fd, start) != 0) log::error("upload file not cut", {{"errno", errno}});
-  const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
-  return fail(full ? ErrorCode::kTooLarge : ErrorCode::kUnavailable,
+  return fail(is_full(error) ? ErrorCode::kTooLarge : ErrorCode::kUnavailable,
               "The server's disk took no more; try again later.");
 }
 
@@ -46,8 +47,10 @@ Result<UploadFiles::Open> UploadFiles::open(const std::string& id, bool create) 
   const int flags = O_WRONLY | O_CLOEXEC | O_NOFOLLOW | (create ? O_CREAT : 0);
   const int fd = ::open(path_of(id).c_str(), flags, 0640);
   if (fd < 0) {
-    log::error("upload file not opened", {{"errno", errno}});
-    return fail(ErrorCode::kUnavailable, "The server's disk is away; try again later.");
+    const int error = errno;
+    log::error("upload file not opened", {{"errno", error}});
+    return fail(is_full(error) ? ErrorCode::kTooLarge : ErrorCode::kUnavailable,
+                "The server's disk is away; try again later.");
   }
   Open open(fd);
   if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {

@@ -31,8 +31,8 @@ class UploadFiles {
     int fd_;
   };
 
-  /// kConflict when somebody else holds it. Made only with `create`: a later part never brings back
-  /// a file that was taken or disposed of.
+  /// kConflict when somebody else holds it; kTooLarge: the disk has no room, kUnavailable. Made
+  /// only with `create`: a later part never brings back a file that was taken or disposed of.
   Result<Open> open(const std::string& id, bool create);
   /// What is not there is no error.
   Result<void> remove(const std::string& id);

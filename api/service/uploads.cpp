@@ -67,6 +67,7 @@ Outcome<Upload> Uploads::append(const Principal& who, const std::string& id,
   if (!file && file.error().code == ErrorCode::kConflict) {
     return refuse(ProblemKind::kLocked, file.error().message, std::chrono::seconds(1));
   }
+  if (!file && file.error().code == ErrorCode::kTooLarge) return storage_full();
   if (!file) return refuse(file.error());
   // Again under the file's lock: another part may have been noted in between.
   upload = find(who, id);

@@ -2,14 +2,19 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <iterator>
 #include <new>
+#include <span>
 
 #include "common/fd.h"
 #include "ingest/pipeline/child.h"
@@ -90,17 +95,46 @@ Result<void> take_voxels(int fd, std::uint64_t most_voxels, Build& build) {
   return {};
 }
 
+/// Bytes that may still be written where `directory` lies, so that `reserve` stays free.
+std::uint64_t free_bytes(const std::string& directory, std::uint64_t reserve) {
+  struct statvfs info {};
+  if (statvfs(directory.c_str(), &info) != 0) return 0;
+  const std::uint64_t free = std::uint64_t{info.f_bavail} * info.f_frsize;
+  return free > reserve ? free - reserve : 0;
+}
+
+tl::unexpected<Error> no_room() { return fail(ErrorCode::kTooLarge, "the disk is full"); }
+
+/// A child that was ended by a signal that no fault of its own raises.
+bool was_killed(const ChildEnd& end) {
+  return end.how == ChildEnd::How::kCrashed && end.signal == SIGKILL;
+}
+
 }  // namespace
 
-Result<Build> SandboxBuilder::build(const std::string& upload_path, const GoOn& go_on) {
-  const Fd input(open(upload_path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+/// The voxels lie in the scratch directory first, and are gone from there when the volume is
+/// stored.
+std::uint64_t SandboxBuilder::room_bytes() const {
+  const std::uint64_t reserve = options_.reserve_mb * kMb;
+  return std::min(free_bytes(options_.scratch_dir, reserve),
+                  free_bytes(options_.volume_dir, reserve));
+}
+
+Result<Build> SandboxBuilder::build(const UploadInput& upload, const GoOn& go_on) {
+  const Fd input(open(upload.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!input) {
     if (errno != ENOENT) return fail(ErrorCode::kUnavailable, "the upload cannot be opened");
     Build build;
     build.verdict = refused("upload_gone", "The upload is gone; please send it again.");
     return build;
   }
-  return run(input.get(), kChildWord, {}, go_on);
+  const std::uint64_t room = room_bytes();
+  if (room == 0) return no_room();
+  const std::uint64_t light = options_.light_mb > 0 ? options_.light_mb * kMb : BuildBounds::kNone;
+  return run(input.get(), kChildWord,
+             {std::to_string(upload.quota_left.value_or(BuildBounds::kNone)), std::to_string(room),
+              std::to_string(light)},
+             go_on);
 }
 
 Result<Build> SandboxBuilder::cut(const CutInput& wanted, const GoOn& go_on) {
@@ -109,6 +143,11 @@ Result<Build> SandboxBuilder::cut(const CutInput& wanted, const GoOn& go_on) {
   const std::string voxels = wanted.volume_directory + "/voxels.i16";
   const Fd input(open(voxels.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (!input) return fail(ErrorCode::kUnavailable, "the stored voxels cannot be opened");
+  if (const auto plan = volume::plan_cut(wanted.header, wanted.region)) {
+    const std::uint64_t bytes =
+        std::uint64_t{plan->size[0]} * plan->size[1] * plan->size[2] * sizeof(std::int16_t);
+    if (bytes > room_bytes()) return no_room();
+  }
   return run(input.get(), kCutChildWord, {*std::move(header), volume::to_json(wanted.region)},
              go_on);
 }
@@ -117,7 +156,10 @@ Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::
                                   const GoOn& go_on) {
   Build build;
   const Fd output(unnamed_file(options_.scratch_dir));
-  if (!output) return fail(ErrorCode::kUnavailable, "the scratch directory cannot be written");
+  if (!output) {
+    if (errno == ENOSPC || errno == EDQUOT) return no_room();
+    return fail(ErrorCode::kUnavailable, "the scratch directory cannot be written");
+  }
 
   ChildCommand command;
   command.program = options_.program;
@@ -136,11 +178,26 @@ Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::
     build.stopped = true;
     return build;
   }
-  // It never came to reading: no sandbox on this machine, too little memory to start in. Our fault.
-  constexpr int kNoSandbox = 70, kNoProgram = 127;
-  if (end->how == ChildEnd::How::kExited &&
-      (end->exit_code == kNoSandbox || end->exit_code == kNoProgram)) {
-    return fail(ErrorCode::kInternal, "the child cannot start");
+  if (was_killed(*end)) {
+    build.killed = true;
+    return build;
+  }
+  constexpr int kNoProgram = 127;
+  if (end->how == ChildEnd::How::kExited) {
+    switch (end->exit_code) {
+      case kChildNoSandbox:
+      case kNoProgram:  // no sandbox on this machine, or too little memory to start in
+        return fail(ErrorCode::kInternal, "the child cannot start");
+      case kChildNoRoom:
+        return no_room();
+      case kChildDiskFails:
+        return fail(ErrorCode::kUnavailable, "the child cannot write its output");
+      case kChildTooLarge:
+        build.too_large = true;
+        return build;
+      default:
+        break;
+    }
   }
   build.verdict = verdict_of(*end);
   if (build.verdict.ready) {
@@ -153,16 +210,23 @@ Result<Build> SandboxBuilder::run(int input, const char* word, std::vector<std::
 
 namespace {
 
-/// The limits that come first among a child's arguments.
-bool read_limits(const std::vector<std::string>& arguments, SandboxLimits& sandbox,
-                 std::uint64_t& quota_bytes) {
-  std::uint64_t numbers[3]{};
-  if (arguments.size() < 3) return false;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::string& word = arguments[i];
+/// `numbers.size()` of the arguments from `first` on.
+bool read_numbers(const std::vector<std::string>& arguments, std::size_t first,
+                  std::span<std::uint64_t> numbers) {
+  if (arguments.size() < first + numbers.size()) return false;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::string& word = arguments[first + i];
     const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), numbers[i]);
     if (error != std::errc() || stop != word.data() + word.size()) return false;
   }
+  return true;
+}
+
+/// The limits that come first among a child's arguments.
+bool read_limits(const std::vector<std::string>& arguments, SandboxLimits& sandbox,
+                 std::uint64_t& quota_bytes) {
+  std::array<std::uint64_t, 3> numbers{};
+  if (!read_numbers(arguments, 0, numbers)) return false;
   sandbox.cpu_seconds = static_cast<std::uint32_t>(numbers[0]);
   sandbox.memory_bytes = numbers[1] * kMb;
   sandbox.output_bytes = quota_bytes = numbers[2] * kMb;
@@ -176,10 +240,14 @@ constexpr int kUsage = 64;
 int run_child_with(const std::vector<std::string>& arguments) {
   SandboxLimits sandbox;
   std::uint64_t quota = 0;
-  if (arguments.size() != 3 || !read_limits(arguments, sandbox, quota)) return kUsage;
+  std::array<std::uint64_t, 3> bounds{};
+  if (arguments.size() != 6 || !read_limits(arguments, sandbox, quota) ||
+      !read_numbers(arguments, 3, bounds)) {
+    return kUsage;
+  }
   dicom::ScanLimits limits;
   limits.most_voxels = quota / sizeof(std::int16_t);
-  return run_child_main(limits, sandbox);
+  return run_child_main(limits, {bounds[0], bounds[1], bounds[2]}, sandbox);
 }
 
 int run_cut_child_with(const std::vector<std::string>& arguments) {

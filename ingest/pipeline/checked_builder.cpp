@@ -16,19 +16,17 @@ Build refusal(const char* code, const char* words) {
 
 }  // namespace
 
-Result<Build> CheckedBuilder::build(const std::string& upload_path, const GoOn& go_on) {
-  const int input = open(upload_path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-  if (input < 0) return inner_.build(upload_path, go_on);  // it knows what to say
+Result<Build> CheckedBuilder::build(const UploadInput& upload, const GoOn& go_on) {
+  const int input = open(upload.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (input < 0) return inner_.build(upload, go_on);  // it knows what to say
   const auto found = clamd_.look_at(input, go_on);
   close(input);
   if (!found) {
     tell_("unchecked");
     log::error("malware_not_looked_for", {{"reason", found.error().message},
-                                          {"effect", pass_unchecked_ ? "passed" : "refused"}});
-    if (pass_unchecked_) return inner_.build(upload_path, go_on);
-    return refusal("not_checked",
-                   "Uploads are checked for viruses, and the check does not work at the moment. "
-                   "Nothing was kept; please send it again later.");
+                                          {"effect", pass_unchecked_ ? "passed" : "waits"}});
+    if (pass_unchecked_) return inner_.build(upload, go_on);
+    return fail(ErrorCode::kUnavailable, "the virus check is away");
   }
   if (*found == Clamd::Found::kStopped) {
     Build stopped;
@@ -42,7 +40,7 @@ Result<Build> CheckedBuilder::build(const std::string& upload_path, const GoOn& 
                    "kept.");
   }
   tell_("clean");
-  return inner_.build(upload_path, go_on);
+  return inner_.build(upload, go_on);
 }
 
 }  // namespace diaphane::ingest

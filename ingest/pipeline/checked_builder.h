@@ -8,8 +8,8 @@
 
 namespace diaphane::ingest {
 
-/// Has every upload looked at for malware before anything reads it. What is infected is refused;
-/// so is, unless `pass_unchecked`, what could not be looked at.
+/// Has every upload looked at for malware before anything reads it. What is infected is refused.
+/// What could not be looked at waits until it can be, unless `pass_unchecked`.
 class CheckedBuilder final : public Builder {
  public:
   struct Options {
@@ -23,7 +23,7 @@ class CheckedBuilder final : public Builder {
         inner_(inner),
         tell_(std::move(tell)) {}
 
-  Result<Build> build(const std::string& upload_path, const GoOn& go_on) override;
+  Result<Build> build(const UploadInput& upload, const GoOn& go_on) override;
   /// Of what was looked at when it came.
   Result<Build> cut(const CutInput& input, const GoOn& go_on) override {
     return inner_.cut(input, go_on);

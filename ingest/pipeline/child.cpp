@@ -2,7 +2,9 @@
 
 #include <unistd.h>
 
+#include <cerrno>
 #include <new>
+#include <utility>
 
 #include "ingest/build/build_volume.h"
 #include "ingest/pipeline/report.h"
@@ -11,14 +13,34 @@
 
 namespace diaphane::ingest {
 
-bool write_all(int fd, const char* data, std::size_t bytes) {
+namespace {
+
+/// Zero, or the error that ended it.
+int write_all(int fd, const char* data, std::size_t bytes) {
   while (bytes > 0) {
     const ssize_t done = write(fd, data, bytes);
-    if (done <= 0) return false;
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) return done < 0 ? errno : ENOSPC;
     data += done;
     bytes -= static_cast<std::size_t>(done);
   }
-  return true;
+  return 0;
+}
+
+}  // namespace
+
+bool write_output(const std::int16_t* voxels, std::size_t count, int& exit_code) {
+  const int error =
+      write_all(kChildOutput, reinterpret_cast<const char*>(voxels), count * sizeof(std::int16_t));
+  if (error == 0) return true;
+  exit_code = error == ENOSPC || error == EDQUOT ? kChildNoRoom : kChildDiskFails;
+  return false;
+}
+
+int send_report(const Verdict& verdict) {
+  const std::string report = write_report(verdict);
+  if (report.size() > kLongestReport) return kChildBadReport;
+  return write_all(kChildReport, report.data(), report.size()) == 0 ? 0 : kChildDiskFails;
 }
 
 namespace {
@@ -32,44 +54,55 @@ Verdict refusal_of(const Error& error) {
   if (error.code == ErrorCode::kTooLarge) {
     return refused("too_large", "This upload is refused: " + error.message + ".");
   }
+  if (error.code == ErrorCode::kUnsupported) {
+    return refused("values_out_of_range", "This scan cannot be shown: " + error.message + ".");
+  }
   return refused("damaged", "This upload cannot be read: " + error.message + ".");
 }
 
-Verdict build(const dicom::ScanLimits& limits) {
+std::uint64_t volume_bytes(const dicom::Assessment& found) {
+  return std::uint64_t{found.size[0]} * found.size[1] * found.size[2] * sizeof(std::int16_t);
+}
+
+/// Leaves a verdict, or an exit code.
+int build(const dicom::ScanLimits& limits, const BuildBounds& bounds, Verdict& verdict) {
+  const auto refuse = [&](Verdict refusal) {
+    verdict = std::move(refusal);
+    return 0;
+  };
   TarSource source(kChildInput, limits.file.file_bytes);
   auto scan = dicom::scan(source, limits);
-  if (!scan) return refusal_of(scan.error());
+  if (!scan) return refuse(refusal_of(scan.error()));
   const dicom::Choice choice = dicom::choose(*scan);
-  if (!choice.suitable) return refused(choice.code, choice.text);
+  if (!choice.suitable) return refuse(refused(choice.code, choice.text));
+  const std::uint64_t bytes = volume_bytes(scan->series[choice.index].assessment);
+  if (bytes > bounds.quota_left) return refuse(over_quota(bytes, bounds.quota_left));
+  if (bytes > bounds.light_bytes) return kChildTooLarge;
+  if (bytes > bounds.room_bytes) return kChildNoRoom;
   auto built = build_volume(source, *scan, choice, limits.file);
-  if (!built) return refusal_of(built.error());
+  if (!built) return refuse(refusal_of(built.error()));
   volume::Volume& volume = built->volume;
-  if (!write_all(kChildOutput, reinterpret_cast<const char*>(volume.voxels.data()),
-                 volume.voxels.size() * sizeof(std::int16_t))) {
-    return refused("internal", "The volume could not be kept; please try again later.");
-  }
-  Verdict verdict;
+  int exit_code = 0;
+  if (!write_output(volume.voxels.data(), volume.voxels.size(), exit_code)) return exit_code;
   verdict.ready = true;
   verdict.header = std::move(volume.header);
   verdict.filler = built->filler;
-  return verdict;
+  return 0;
 }
 
 }  // namespace
 
-int run_child_main(const dicom::ScanLimits& limits, const SandboxLimits& sandbox) {
-  constexpr int kNoSandbox = 70;
-  if (!enter_sandbox(sandbox)) return kNoSandbox;
+int run_child_main(const dicom::ScanLimits& limits, const BuildBounds& bounds,
+                   const SandboxLimits& sandbox) {
+  if (!enter_sandbox(sandbox)) return kChildNoSandbox;
   Verdict verdict;
+  int exit_code = 0;
   try {
-    verdict = build(limits);
+    exit_code = build(limits, bounds, verdict);
   } catch (const std::bad_alloc&) {
     verdict = out_of_memory();
   }
-  const std::string report = write_report(verdict);
-  return report.size() <= kLongestReport && write_all(kChildReport, report.data(), report.size())
-             ? 0
-             : kNoSandbox;
+  return exit_code != 0 ? exit_code : send_report(verdict);
 }
 
 }  // namespace diaphane::ingest

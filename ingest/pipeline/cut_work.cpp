@@ -13,14 +13,14 @@ void Worker::work_cut(const Job& job) {
   const CutOrder& order = *job.cut;
   log::info("cut_begun", {{"data_set", job.data_set_id}, {"attempt", job.attempts}});
   const auto header = volume::read_header(volume_path(job));
-  if (!header && header.error().code == ErrorCode::kUnavailable) return pause(options_.poll);
+  if (!header && header.error().code == ErrorCode::kUnavailable) return wait(job, header.error());
   if (!header) return refuse_cut(job, "The stored scan cannot be read.");
   if (!order.result.empty() && header->content_hash == order.result) {
     // An earlier attempt was ended after the exchange: the old one may lie about under another
     // name.
     (void)volume::sweep_unfinished(options_.volume_dir);
     const auto left = volume::read(volume_path(job), false);
-    if (!left) return pause(options_.poll);
+    if (!left) return wait(job, left.error());
     return finish_cut(job, *left);
   }
   if (header->content_hash != order.of) {
@@ -34,12 +34,10 @@ void Worker::work_cut(const Job& job) {
 
   Hold hold = Hold::kOurs;
   auto build = builder_.cut({volume_path(job), *header, order.region}, keep_going(job, hold));
-  if (!build) {
-    log::error("cut_failed", {{"data_set", job.data_set_id}, {"reason", build.error().message}});
-    return pause(options_.poll);  // the lease runs out and the job is tried again
-  }
+  if (!build) return wait(job, build.error());
   if (hold != Hold::kOurs) return;
   if (build->stopped) return give_back(job);
+  if (build->killed) return child_was_killed(job);
   if (!build->verdict.ready) return refuse_cut(job, build->verdict.text + " Nothing was cut.");
 
   const auto replaced = volume::replace(build->volume, volume_path(job), [&]() -> Result<void> {
@@ -50,9 +48,8 @@ void Worker::work_cut(const Job& job) {
     return {};
   });
   if (!replaced) {
-    log::warning("cut_not_stored",
-                 {{"data_set", job.data_set_id}, {"reason", replaced.error().message}});
-    return pause(options_.poll);
+    if (replaced.error().code == ErrorCode::kConflict) return;  // somebody else's now
+    return wait(job, replaced.error());
   }
   events_.built(build->seconds, build->peak_bytes);
   finish_cut(job, build->volume);

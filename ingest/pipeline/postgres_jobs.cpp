@@ -8,6 +8,7 @@
 #include "common/postgres/connection.h"
 #include "common/postgres/sql_fault.h"
 #include "ingest/pipeline/moved_scene.h"
+#include "ingest/pipeline/report.h"
 
 namespace diaphane::ingest {
 namespace {
@@ -66,14 +67,29 @@ std::string array_of(const std::vector<std::string>& texts) {
 
 }  // namespace
 
+/// Bytes that the quota of $1's owner leaves for $1, counted as `api` does (lock_quota): volumes,
+/// and uploads under way by their length. No row for what belongs to nobody.
+constexpr const char* kQuotaLeft = R"sql(
+  SELECT GREATEST(0, o.quota_bytes - COALESCE((
+           SELECT sum(CASE WHEN d.state = 'ready' THEN d.volume_bytes
+                           WHEN d.state IN ('uploading', 'queued', 'building')
+                           THEN COALESCE(u.length, d.volume_bytes) END)
+             FROM data_sets d LEFT JOIN uploads u ON u.data_set_id = d.id
+            WHERE d.owner_id = o.id AND d.id <> $1), 0))::bigint
+    FROM users o WHERE o.id = (SELECT owner_id FROM data_sets WHERE id = $1))sql";
+
 struct PostgresJobs::Impl {
-  Impl(std::string url_, std::string claimer_, double lease_seconds_)
-      : url(std::move(url_)), claimer(std::move(claimer_)), lease_seconds(lease_seconds_) {}
+  Impl(std::string url_, std::string claimer_, double lease_seconds_, std::int64_t light_bytes_)
+      : url(std::move(url_)),
+        claimer(std::move(claimer_)),
+        lease_seconds(lease_seconds_),
+        light_bytes(light_bytes_) {}
 
   static constexpr postgres::Patience kPatience{};
   std::string url;
   std::string claimer;
   double lease_seconds;
+  std::int64_t light_bytes;
   SocketDeadlines deadlines{};  ///< outlives the connection
   std::unique_ptr<pqxx::connection> connection{};
   std::string last_state{};  ///< of the last SQL error: each kind is said once in a row
@@ -114,6 +130,43 @@ struct PostgresJobs::Impl {
     return fail(ErrorCode::kUnavailable, "Postgres is away");
   }
 
+  static void refuse(pqxx::work& transaction, const Job& job, const std::string& code,
+                     const std::string& text) {
+    transaction.exec_params(
+        R"sql(
+        UPDATE data_sets
+           SET state = 'refused', refusal_code = $2, refusal_text = $3, updated_at = now()
+         WHERE id = $1)sql",
+        job.data_set_id, code, text);
+  }
+
+  /// Back into the queue after `pause`, unless it is not ours any more.
+  Result<void> put_back(const Job& job, const char* waiting_for, std::chrono::milliseconds pause,
+                        bool count_attempt, bool to_large) {
+    auto done = transact([&](pqxx::work& transaction) {
+      const auto data_set = transaction.exec_params(
+          "SELECT 1 FROM data_sets WHERE id = $1 FOR UPDATE", job.data_set_id);
+      const auto given = transaction.exec_params(
+          R"sql(
+          UPDATE ingest_jobs
+             SET leased_by = NULL, leased_until = NULL,
+                 attempts = attempts - CASE WHEN $3::bool THEN 0 ELSE 1 END,
+                 waiting_for = $4::text, waits = CASE WHEN $4::text IS NULL THEN 0 ELSE waits + 1 END,
+                 not_before = now() + make_interval(secs => $5), large = large OR $6::bool
+           WHERE data_set_id = $1 AND leased_by = $2)sql",
+          job.data_set_id, claimer, count_attempt, waiting_for,
+          static_cast<double>(pause.count()) / 1000, to_large);
+      if (given.affected_rows() > 0) {
+        transaction.exec_params(
+            "UPDATE data_sets SET state = 'queued', updated_at = now() WHERE id = $1",
+            job.data_set_id);
+      }
+      return data_set.size();
+    });
+    if (!done) return tl::unexpected(done.error());
+    return {};
+  }
+
   /// Ours and to be changed now: the data set is locked first, as `api` does, so that nobody waits
   /// in a ring.
   Hold take(pqxx::work& transaction, const Job& job) const {
@@ -133,37 +186,54 @@ struct PostgresJobs::Impl {
   }
 };
 
-PostgresJobs::PostgresJobs(std::string url, std::string claimer, std::chrono::milliseconds lease)
-    : impl_(std::make_unique<Impl>(std::move(url), std::move(claimer),
-                                   static_cast<double>(lease.count()) / 1000)) {}
+PostgresJobs::PostgresJobs(Options options)
+    : impl_(std::make_unique<Impl>(std::move(options.url), std::move(options.claimer),
+                                   static_cast<double>(options.lease.count()) / 1000,
+                                   static_cast<std::int64_t>(options.light_bytes))) {}
 PostgresJobs::~PostgresJobs() = default;
 
 Result<std::optional<Job>> PostgresJobs::claim() {
   return impl_->transact([&](pqxx::work& transaction) -> std::optional<Job> {
+    // One claim at a time, so that two workers never take jobs of one account at the same moment.
+    transaction.exec("SELECT pg_advisory_xact_lock(hashtext('diaphane ingest claim'))");
     const auto rows = transaction.exec_params(
         R"sql(
         WITH next AS (
-          SELECT j.data_set_id FROM ingest_jobs j JOIN data_sets d ON d.id = j.data_set_id
+          SELECT j.data_set_id, d.owner_id
+            FROM ingest_jobs j JOIN data_sets d ON d.id = j.data_set_id
+            LEFT JOIN uploads u ON u.id = j.upload_id
+            LEFT JOIN ingest_turns t ON t.user_id = d.owner_id
            WHERE j.not_before <= now() AND (j.leased_until IS NULL OR j.leased_until <= now())
-           ORDER BY j.created_at LIMIT 1 FOR UPDATE OF d, j SKIP LOCKED),
+             AND ($3::bigint = 0 OR (NOT j.large AND COALESCE(u.length, d.volume_bytes, 0) <= $3::bigint))
+             AND NOT EXISTS (SELECT FROM ingest_jobs r JOIN data_sets o ON o.id = r.data_set_id
+                              WHERE r.leased_until > now() AND o.owner_id IS NOT DISTINCT FROM d.owner_id)
+           ORDER BY t.served_at NULLS FIRST, j.created_at LIMIT 1 FOR UPDATE OF d, j SKIP LOCKED),
         building AS (
           UPDATE data_sets d SET state = 'building', updated_at = now() FROM next
-           WHERE d.id = next.data_set_id)
+           WHERE d.id = next.data_set_id),
+        turn AS (
+          INSERT INTO ingest_turns (user_id, served_at)
+          SELECT owner_id, clock_timestamp() FROM next WHERE owner_id IS NOT NULL
+          ON CONFLICT (user_id) DO UPDATE SET served_at = excluded.served_at)
         UPDATE ingest_jobs j
            SET leased_by = $1, leased_until = now() + make_interval(secs => $2), attempts = attempts + 1
           FROM next WHERE j.data_set_id = next.data_set_id
         RETURNING j.data_set_id, COALESCE(j.upload_id::text, ''), j.attempts,
-                  j.cut::text, COALESCE(j.cut_of, ''), COALESCE(j.cut_result, ''))sql",
-        impl_->claimer, impl_->lease_seconds);
+                  j.cut::text, COALESCE(j.cut_of, ''), COALESCE(j.cut_result, ''), j.waits)sql",
+        impl_->claimer, impl_->lease_seconds, impl_->light_bytes);
     if (rows.empty()) return std::nullopt;
     const pqxx::row row = rows[0];
-    Job job{row[0].as<std::string>(), row[1].as<std::string>(), row[2].as<int>(), {}};
+    Job job{
+        row[0].as<std::string>(), row[1].as<std::string>(), row[2].as<int>(), {}, row[6].as<int>()};
     if (!row[3].is_null()) {
       auto region = volume::region_from_json(row[3].as<std::string>());
       // `api` has read it the same way: what cannot be read now keeps nothing, and is refused.
       job.cut = CutOrder{region.value_or(volume::Region{}), row[4].as<std::string>(),
                          row[5].as<std::string>()};
+      return job;
     }
+    const auto left = transaction.exec_params(kQuotaLeft, job.data_set_id);
+    if (!left.empty()) job.quota_left = left[0][0].as<std::uint64_t>();
     return job;
   });
 }
@@ -185,8 +255,23 @@ Result<Hold> PostgresJobs::renew(const Job& job) {
 Result<Hold> PostgresJobs::finish_ready(const Job& job, const volume::Header& header,
                                         std::uint64_t bytes, const std::string& head) {
   return impl_->transact([&](pqxx::work& transaction) {
+    // The owner first, as `api` does: of two volumes that end at once, the second sees the first.
+    transaction.exec_params(
+        R"sql(
+        SELECT 1 FROM users WHERE id = (SELECT owner_id FROM data_sets WHERE id = $1)
+           FOR UPDATE)sql",
+        job.data_set_id);
     const Hold hold = impl_->take(transaction, job);
     if (hold != Hold::kOurs) return hold;
+    const auto left = transaction.exec_params(kQuotaLeft, job.data_set_id);
+    if (!left.empty() && bytes > left[0][0].as<std::uint64_t>()) {
+      const Verdict refusal = over_quota(bytes, left[0][0].as<std::uint64_t>());
+      impl_->refuse(transaction, job, refusal.code, refusal.text);
+      transaction.exec_params(
+          "INSERT INTO disposals (kind, id) VALUES ('volume', $1) ON CONFLICT DO NOTHING",
+          job.data_set_id);
+      return Hold::kOverQuota;
+    }
     transaction.exec_params(
         R"sql(
         UPDATE data_sets
@@ -207,13 +292,7 @@ Result<Hold> PostgresJobs::finish_refused(const Job& job, const std::string& cod
                                           const std::string& text) {
   return impl_->transact([&](pqxx::work& transaction) {
     const Hold hold = impl_->take(transaction, job);
-    if (hold != Hold::kOurs) return hold;
-    transaction.exec_params(
-        R"sql(
-        UPDATE data_sets
-           SET state = 'refused', refusal_code = $2, refusal_text = $3, updated_at = now()
-         WHERE id = $1)sql",
-        job.data_set_id, code, text);
+    if (hold == Hold::kOurs) impl_->refuse(transaction, job, code, text);
     return hold;
   });
 }
@@ -283,23 +362,16 @@ Result<Hold> PostgresJobs::finish_cut_refused(const Job& job, const std::string&
 }
 
 Result<void> PostgresJobs::release(const Job& job) {
-  auto done = impl_->transact([&](pqxx::work& transaction) {
-    const auto data_set = transaction.exec_params(
-        "SELECT 1 FROM data_sets WHERE id = $1 FOR UPDATE", job.data_set_id);
-    const auto given = transaction.exec_params(
-        R"sql(
-        UPDATE ingest_jobs SET leased_by = NULL, leased_until = NULL, attempts = attempts - 1
-         WHERE data_set_id = $1 AND leased_by = $2)sql",
-        job.data_set_id, impl_->claimer);
-    if (given.affected_rows() > 0) {
-      transaction.exec_params(
-          "UPDATE data_sets SET state = 'queued', updated_at = now() WHERE id = $1",
-          job.data_set_id);
-    }
-    return data_set.size();
-  });
-  if (!done) return tl::unexpected(done.error());
-  return {};
+  return impl_->put_back(job, nullptr, {}, false, false);
+}
+
+Result<void> PostgresJobs::wait(const Job& job, WaitReason reason, std::chrono::milliseconds pause,
+                                bool count_attempt) {
+  return impl_->put_back(job, to_string(reason), pause, count_attempt, false);
+}
+
+Result<void> PostgresJobs::leave_to_large(const Job& job) {
+  return impl_->put_back(job, nullptr, {}, false, true);
 }
 
 Result<void> PostgresJobs::upload_removed(const std::string& upload_id) {
@@ -312,9 +384,10 @@ Result<void> PostgresJobs::upload_removed(const std::string& upload_id) {
   return {};
 }
 
-Result<std::int64_t> PostgresJobs::queue_depth() {
+Result<QueueState> PostgresJobs::queue() {
   return impl_->transact([](pqxx::work& transaction) {
-    return transaction.exec1("SELECT count(*) FROM ingest_jobs")[0].as<std::int64_t>();
+    const auto row = transaction.exec1("SELECT count(*), count(waiting_for) FROM ingest_jobs");
+    return QueueState{row[0].as<std::int64_t>(), row[1].as<std::int64_t>()};
   });
 }
 

@@ -12,8 +12,14 @@ namespace diaphane::ingest {
 /// thread.
 class PostgresJobs final : public JobStore {
  public:
-  /// `claimer` names this process in leases; a new name at each start.
-  PostgresJobs(std::string url, std::string claimer, std::chrono::milliseconds lease);
+  struct Options {
+    std::string url;
+    std::string claimer;  ///< names this worker in leases; a new name at each start
+    std::chrono::milliseconds lease{5000};
+    /// Only jobs whose uploads, and cuts whose volumes, are no larger; 0: all.
+    std::uint64_t light_bytes = 0;
+  };
+  explicit PostgresJobs(Options options);
   ~PostgresJobs() override;
 
   Result<std::optional<Job>> claim() override;
@@ -28,8 +34,11 @@ class PostgresJobs final : public JobStore {
                           const std::string& head) override;
   Result<Hold> finish_cut_refused(const Job& job, const std::string& text) override;
   Result<void> release(const Job& job) override;
+  Result<void> wait(const Job& job, WaitReason reason, std::chrono::milliseconds pause,
+                    bool count_attempt) override;
+  Result<void> leave_to_large(const Job& job) override;
   Result<void> upload_removed(const std::string& upload_id) override;
-  Result<std::int64_t> queue_depth() override;
+  Result<QueueState> queue() override;
 
  private:
   struct Impl;

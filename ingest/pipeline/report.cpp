@@ -33,6 +33,15 @@ Verdict refused(std::string code, std::string text) {
   return verdict;
 }
 
+Verdict over_quota(std::uint64_t bytes, std::uint64_t left) {
+  constexpr std::uint64_t kMegabyte = 1'000'000;
+  return refused("over_quota", "The 3D image of this scan takes " +
+                                   std::to_string((bytes + kMegabyte - 1) / kMegabyte) +
+                                   " MB, and " + std::to_string(left / kMegabyte) +
+                                   " MB of your storage are left. Delete other scans, then upload "
+                                   "this one again.");
+}
+
 std::string write_report(const Verdict& verdict) {
   if (!verdict.ready) return json{{"code", verdict.code}, {"text", verdict.text}}.dump();
   auto header = volume::to_json(verdict.header);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "common/result.h"
@@ -17,6 +18,8 @@ struct Verdict {
 };
 
 Verdict refused(std::string code, std::string text);
+/// A volume of `bytes` for which the owner's quota leaves only `left`.
+Verdict over_quota(std::uint64_t bytes, std::uint64_t left);
 
 /// What a child writes for its parent.
 std::string write_report(const Verdict& verdict);

@@ -57,6 +57,15 @@ void drain(int fd, std::string& report) {
   }
 }
 
+/// Processor time, with 100 ms of tolerance: the kernel counts a limit and a usage differently.
+std::chrono::milliseconds cpu_time(const rusage& usage) {
+  const auto of = [](const timeval& time) {
+    return std::chrono::seconds(time.tv_sec) + std::chrono::microseconds(time.tv_usec);
+  };
+  return std::chrono::ceil<std::chrono::milliseconds>(of(usage.ru_utime) + of(usage.ru_stime)) +
+         std::chrono::milliseconds(100);
+}
+
 }  // namespace
 
 Result<ChildEnd> run_child(const ChildCommand& command, const std::function<bool()>& go_on) {
@@ -106,8 +115,10 @@ Result<ChildEnd> run_child(const ChildCommand& command, const std::function<bool
     end.how = ChildEnd::How::kExited;
     end.exit_code = WEXITSTATUS(status);
   } else {
-    end.how = ChildEnd::How::kCrashed;
     end.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+    // The kernel ends a child by SIGKILL at RLIMIT_CPU, too (sandbox.cpp).
+    const bool used_up = end.signal == SIGKILL && cpu_time(usage) >= command.time_limit;
+    end.how = used_up ? ChildEnd::How::kTimedOut : ChildEnd::How::kCrashed;
   }
   return end;
 }

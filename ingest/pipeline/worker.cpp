@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <new>
 #include <thread>
 
 #include "common/fault_point.h"
@@ -14,6 +15,33 @@ namespace diaphane::ingest {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
+
+const char* to_string(WaitReason reason) {
+  switch (reason) {
+    case WaitReason::kRoom:
+      return "room";
+    case WaitReason::kMemory:
+      return "memory";
+    case WaitReason::kService:
+      break;
+  }
+  return "service";
+}
+
+namespace {
+
+WaitReason reason_of(ErrorCode code) {
+  if (code == ErrorCode::kTooLarge) return WaitReason::kRoom;
+  return code == ErrorCode::kOutOfMemory ? WaitReason::kMemory : WaitReason::kService;
+}
+
+}  // namespace
+
+std::chrono::milliseconds Worker::pause_after(int waits, const Options& options) {
+  constexpr int kMostDoublings = 20;
+  const auto pause = options.first_pause * (1LL << std::clamp(waits, 0, kMostDoublings));
+  return std::min<std::chrono::milliseconds>(pause, options.longest_pause);
+}
 
 std::string Worker::upload_path(const Job& job) const {
   return options_.upload_dir + "/" + job.upload_id + ".tar";
@@ -52,7 +80,7 @@ void Worker::run() {
   auto next_count = Clock::now();
   while (!stopping_) {
     if (Clock::now() >= next_count) {
-      if (auto depth = jobs_.queue_depth()) events_.queue_depth(*depth);
+      if (auto queue = jobs_.queue()) events_.queue(*queue);
       next_count = Clock::now() + std::chrono::seconds(2);
     }
     if (!work_once()) pause(options_.poll);
@@ -83,7 +111,14 @@ Builder::GoOn Worker::keep_going(const Job& job, Hold& hold) {
 void Worker::work(const Job& job) {
   // Never: a path is made of them.
   if (!is_id(job.data_set_id) || (!job.cut && !is_id(job.upload_id))) return;
-  if (job.cut) return work_cut(job);
+  try {
+    job.cut ? work_cut(job) : work_upload(job);
+  } catch (const std::bad_alloc&) {
+    wait(job, WaitReason::kMemory, "ingestd has too little memory", false);
+  }
+}
+
+void Worker::work_upload(const Job& job) {
   log::info("ingest_begun", {{"data_set", job.data_set_id}, {"attempt", job.attempts}});
   if (job.attempts > options_.most_attempts) {
     Build given_up;
@@ -94,13 +129,9 @@ void Worker::work(const Job& job) {
   fault_point("claimed");
   Hold hold = Hold::kOurs;
   const auto go_on = keep_going(job, hold);
-  auto build = builder_.build(upload_path(job), go_on);
+  auto build = builder_.build({upload_path(job), job.quota_left}, go_on);
   fault_point("built");
-  if (!build) {
-    log::error("ingest_failed", {{"data_set", job.data_set_id}, {"reason", build.error().message}});
-    pause(options_.poll);  // our own means are short: the lease runs out and the job is tried again
-    return;
-  }
+  if (!build) return wait(job, build.error());
   if (hold != Hold::kOurs) {
     log::info("ingest_dropped",
               {{"data_set", job.data_set_id}, {"deleted", hold == Hold::kDeleted}});
@@ -108,8 +139,36 @@ void Worker::work(const Job& job) {
     return;
   }
   if (build->stopped) return give_back(job);
+  if (build->killed) return child_was_killed(job);
+  if (build->too_large) {
+    (void)insist([&] { return jobs_.leave_to_large(job); });
+    return;
+  }
   events_.built(build->seconds, build->peak_bytes);
   finish(job, *build);
+}
+
+void Worker::wait(const Job& job, const Error& why) {
+  wait(job, reason_of(why.code), why.message, false);
+}
+
+void Worker::wait(const Job& job, WaitReason reason, const std::string& why, bool count_attempt) {
+  // Where the job may be the cause, the next attempt is far enough away for another cause to pass.
+  constexpr int kLonger = 2;
+  const auto pause = pause_after(job.waits + (count_attempt ? kLonger : 0), options_);
+  log::warning("job_waits", {{"data_set", job.data_set_id},
+                             {"for", to_string(reason)},
+                             {"reason", why},
+                             {"waits", job.waits + 1},
+                             {"pause_ms", pause.count()}});
+  events_.waits(reason);
+  (void)insist([&] { return jobs_.wait(job, reason, pause, count_attempt); });
+}
+
+/// Memory was short, or somebody killed it. A job that has its child killed every time is given up
+/// after the usual number of attempts.
+void Worker::child_was_killed(const Job& job) {
+  wait(job, WaitReason::kMemory, "the child was killed", true);
 }
 
 void Worker::finish(const Job& job, Build& build) {
@@ -122,12 +181,7 @@ void Worker::finish(const Job& job, Build& build) {
       if (fresh && *fresh == Hold::kDeleted) remove_original(job);
       return;
     }
-    if (auto stored = store(job, build.volume); !stored) {
-      log::error("volume_not_stored",
-                 {{"data_set", job.data_set_id}, {"reason", stored.error().message}});
-      pause(options_.poll);
-      return;  // the lease runs out and the job is tried again
-    }
+    if (auto stored = store(job, build.volume); !stored) return wait(job, stored.error());
     fault_point("stored");
   }
   const std::string head = verdict.ready ? to_json(find_head(build.volume)) : std::string();
@@ -143,6 +197,10 @@ void Worker::finish(const Job& job, Build& build) {
   }
   if (*hold == Hold::kLost)
     return;  // somebody else's now, or said already by an answer that was lost
+  if (*hold == Hold::kOverQuota) {
+    discard_volume(job);
+    verdict = refused("over_quota", {});
+  }
   log::info("ingest_done", {{"data_set", job.data_set_id},
                             {"result", verdict.ready ? "ready" : verdict.code},
                             {"voxels", build.volume.header.voxel_count()},

@@ -17,13 +17,16 @@ struct WorkerEvents {
   std::function<void(const std::string& code)> done = [](const std::string&) {};
   std::function<void(double seconds, std::uint64_t peak_bytes)> built = [](double, std::uint64_t) {
   };
-  std::function<void(std::int64_t)> queue_depth = [](std::int64_t) {};
+  std::function<void(const QueueState&)> queue = [](const QueueState&) {};
+  std::function<void(WaitReason)> waits = [](WaitReason) {};
   std::function<void(bool)> postgres = [](bool) {};
 };
 
-/// Takes one job after another: builds it, keeps the volume or says why not, and sees that the
-/// original is gone in every case. Loses nothing while Postgres is away: it holds the result until
-/// it can say so.
+/// Takes one job after another: builds it, keeps the volume or says why not, and removes the
+/// original afterwards. A condition that passes (a full disk, too little memory, a part that is
+/// away) ends no job: the original stays, the job waits, longer each time, and is tried again
+/// without counting an attempt. While Postgres is away, the worker holds the result until it can
+/// say so.
 class Worker {
  public:
   struct Options {
@@ -33,6 +36,8 @@ class Worker {
     std::chrono::milliseconds renew{1500};
     std::chrono::milliseconds drain{1500};  ///< how long a build may go on once a stop is wanted
     int most_attempts = 3;
+    std::chrono::milliseconds first_pause{1000};  ///< of a job that waits; doubled each time
+    std::chrono::milliseconds longest_pause{60000};
   };
 
   Worker(Options options, JobStore& jobs, Builder& builder, WorkerEvents events)
@@ -43,12 +48,14 @@ class Worker {
   /// One job, if there is one: true. For tests.
   bool work_once();
   void stop() { stopping_ = true; }
+  /// How long a job pauses that has waited so often in a row before.
+  static std::chrono::milliseconds pause_after(int waits, const Options& options);
 
  private:
   using SteadyTime = std::chrono::steady_clock::time_point;
 
-  std::optional<Job> claim();
   void work(const Job& job);
+  void work_upload(const Job& job);
   void finish(const Job& job, Build& build);
   void work_cut(const Job& job);
   void finish_cut(const Job& job, const volume::Volume& volume);
@@ -57,6 +64,9 @@ class Worker {
   Builder::GoOn keep_going(const Job& job, Hold& hold);
   Result<void> store(const Job& job, volume::Volume& volume);
   void give_back(const Job& job);
+  void wait(const Job& job, const Error& why);
+  void wait(const Job& job, WaitReason reason, const std::string& why, bool count_attempt);
+  void child_was_killed(const Job& job);
   void remove_original(const Job& job);
   void discard_volume(const Job& job);
   void note_postgres(bool there);

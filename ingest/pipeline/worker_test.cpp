@@ -5,6 +5,7 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <thread>
 
 #include "common/ids.h"
@@ -70,7 +71,23 @@ class FakeJobs final : public JobStore {
     removed.push_back(id);
     return {};
   }
-  Result<std::int64_t> queue_depth() override { return static_cast<std::int64_t>(waiting.size()); }
+  Result<void> wait(const Job& job, WaitReason reason, std::chrono::milliseconds pause,
+                    bool count_attempt) override {
+    if (away > 0) return gone<void>();
+    waits.push_back({job.data_set_id, reason, pause, count_attempt});
+    Job again = job;
+    ++again.waits;
+    again.attempts += count_attempt ? 1 : 0;
+    waiting.push_back(again);
+    return {};
+  }
+  Result<void> leave_to_large(const Job& job) override {
+    left_to_large.push_back(job.data_set_id);
+    return {};
+  }
+  Result<QueueState> queue() override {
+    return QueueState{static_cast<std::int64_t>(waiting.size()), 0};
+  }
 
   template <typename T>
   Result<T> gone() {
@@ -82,17 +99,27 @@ class FakeJobs final : public JobStore {
   int away = 0;  ///< this many questions are not answered
   int renewals = 0;
   Hold hold = Hold::kOurs, hold_at_finish = Hold::kOurs, hold_at_note = Hold::kOurs;
-  std::vector<std::string> ready, released, removed, noted;
+  struct Wait {
+    std::string data_set_id;
+    WaitReason reason;
+    std::chrono::milliseconds pause;
+    bool counted;
+  };
+  std::vector<Wait> waits;
+  std::vector<std::string> ready, released, removed, noted, left_to_large;
   std::vector<std::pair<std::string, std::string>> refusals;
   volume::Header last_header;
 };
 
 class FakeBuilder final : public Builder {
  public:
-  Result<Build> build(const std::string&, const GoOn& go_on) override {
+  Result<Build> build(const UploadInput&, const GoOn& go_on) override {
     ++builds;
+    if (no_memory) throw std::bad_alloc();
     if (failure) return tl::unexpected(*failure);
     Build result;
+    result.killed = killed;
+    result.too_large = too_large;
     const auto until = std::chrono::steady_clock::now() + takes;
     while (std::chrono::steady_clock::now() < until) {
       if (!go_on()) {
@@ -121,6 +148,7 @@ class FakeBuilder final : public Builder {
   }
   Verdict verdict;
   std::optional<Error> failure;
+  bool killed = false, too_large = false, no_memory = false;
   std::chrono::milliseconds takes{0};
   int builds = 0;
 };
@@ -201,12 +229,81 @@ TEST_F(WorkerTest, AFourthAttemptIsGivenUpWithoutReading) {
   EXPECT_FALSE(original_there(job));
 }
 
-TEST_F(WorkerTest, OurOwnFailureIsNoRefusalAndKeepsTheOriginal) {
-  builder_.failure = Error{ErrorCode::kUnavailable, "no scratch", {}};
+TEST_F(WorkerTest, AConditionThatPassesKeepsTheOriginalAndCountsNoAttempt) {
+  const std::pair<ErrorCode, WaitReason> cases[] = {{ErrorCode::kTooLarge, WaitReason::kRoom},
+                                                    {ErrorCode::kOutOfMemory, WaitReason::kMemory},
+                                                    {ErrorCode::kUnavailable, WaitReason::kService},
+                                                    {ErrorCode::kInternal, WaitReason::kService}};
+  const Job job = put();
+  auto w = worker();
+  for (const auto& [code, reason] : cases) {
+    builder_.failure = Error{code, "not now", {}};
+    EXPECT_TRUE(w.work_once());
+    ASSERT_FALSE(jobs_.waits.empty());
+    EXPECT_EQ(jobs_.waits.back().reason, reason);
+    EXPECT_FALSE(jobs_.waits.back().counted);
+    EXPECT_TRUE(jobs_.refusals.empty());
+    EXPECT_TRUE(original_there(job));
+  }
+  builder_.failure.reset();
+  builder_.no_memory = true;
+  EXPECT_TRUE(w.work_once());
+  EXPECT_EQ(jobs_.waits.back().reason, WaitReason::kMemory);
+  builder_.no_memory = false;
+  EXPECT_TRUE(w.work_once());
+  EXPECT_EQ(jobs_.ready, std::vector{job.data_set_id});
+  EXPECT_FALSE(original_there(job));
+}
+
+TEST_F(WorkerTest, AStoreThatFailsKeepsTheOriginalUntilItIsBack) {
+  const Job job = put();
+  fs::remove(root_ / "volumes");
+  auto w = worker();
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(w.work_once());
+  EXPECT_EQ(jobs_.waits.size(), 5u);
+  EXPECT_TRUE(jobs_.refusals.empty());
+  EXPECT_TRUE(original_there(job));
+  fs::create_directories(root_ / "volumes");
+  EXPECT_TRUE(w.work_once());
+  EXPECT_EQ(jobs_.ready, std::vector{job.data_set_id});
+}
+
+TEST_F(WorkerTest, PausesDoubleUpToALimit) {
+  Worker::Options options;
+  EXPECT_EQ(Worker::pause_after(0, options), options.first_pause);
+  EXPECT_EQ(Worker::pause_after(3, options), 8 * options.first_pause);
+  EXPECT_EQ(Worker::pause_after(6, options), options.longest_pause);
+  EXPECT_EQ(Worker::pause_after(1'000'000, options), options.longest_pause);
+}
+
+TEST_F(WorkerTest, AKilledChildIsTriedAgainAndGivenUpWhenItIsKilledEveryTime) {
+  builder_.killed = true;
+  const Job job = put();
+  auto w = worker();
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(original_there(job));
+    EXPECT_TRUE(w.work_once());
+    EXPECT_TRUE(jobs_.waits.back().counted);
+  }
+  EXPECT_TRUE(w.work_once());
+  ASSERT_EQ(jobs_.refusals.size(), 1u);
+  EXPECT_FALSE(original_there(job));
+}
+
+TEST_F(WorkerTest, AVolumeThatIsTooLargeForTheLightWorkerIsLeftToTheOther) {
+  builder_.too_large = true;
   const Job job = put();
   EXPECT_TRUE(worker().work_once());
-  EXPECT_TRUE(jobs_.refusals.empty());
-  EXPECT_TRUE(original_there(job)) << "it is tried again when the lease has run out";
+  EXPECT_EQ(jobs_.left_to_large, std::vector{job.data_set_id});
+  EXPECT_TRUE(original_there(job));
+}
+
+TEST_F(WorkerTest, AVolumeOverTheQuotaLeavesNothing) {
+  jobs_.hold_at_finish = Hold::kOverQuota;
+  const Job job = put();
+  EXPECT_TRUE(worker().work_once());
+  EXPECT_FALSE(fs::exists(volume_of(job)));
+  EXPECT_FALSE(original_there(job));
 }
 
 TEST_F(WorkerTest, ADataSetDeletedBeforeTheEndLeavesNothing) {
@@ -323,6 +420,20 @@ TEST_F(CutTest, AChildThatFailsCutsNothing) {
   ASSERT_EQ(jobs_.refusals.size(), 1U);
   EXPECT_EQ(jobs_.refusals[0].second, "It needs too much. Nothing was cut.");
   expect_old(job);
+}
+
+TEST_F(CutTest, AFullDiskLeavesTheOldVolumeAndTheOrder) {
+  const Job job = order();
+  builder_.failure = Error{ErrorCode::kTooLarge, "the disk is full", {}};
+  auto w = worker();
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(w.work_once());
+  EXPECT_TRUE(jobs_.refusals.empty());
+  EXPECT_EQ(jobs_.waits.size(), 5U);
+  EXPECT_EQ(jobs_.waits.back().reason, WaitReason::kRoom);
+  expect_old(job);
+  builder_.failure.reset();
+  EXPECT_TRUE(w.work_once());
+  EXPECT_EQ(jobs_.ready, std::vector{job.data_set_id});
 }
 
 TEST_F(CutTest, OnlyWhoHoldsTheJobPutsTheNewOneInPlace) {

@@ -93,7 +93,7 @@ def test_a_job_that_ends_ingestd_every_time_is_given_up(ingest, head):
     nothing_left(ingest, data_set)
 
 
-@pytest.mark.parametrize("by", [signal.SIGSEGV, signal.SIGABRT, signal.SIGSYS, signal.SIGKILL])
+@pytest.mark.parametrize("by", [signal.SIGSEGV, signal.SIGABRT, signal.SIGSYS])
 def test_a_crash_of_the_child_is_a_refusal_and_touches_no_other_upload(ingest, head, by):
     other = enqueue(ingest, head)
     assert wait_end(ingest, other)[0] == "ready"
@@ -107,6 +107,17 @@ def test_a_crash_of_the_child_is_a_refusal_and_touches_no_other_upload(ingest, h
     assert not volume_path(ingest, data_set).exists()
     assert wait_end(ingest, later)[0] == "ready"
     assert (volume_path(ingest, other) / "volume.json").read_bytes() == before
+
+
+def test_a_killed_child_is_tried_again(ingest, head):
+    """As the kernel kills it when memory is short."""
+    data_set, child = frozen_child(ingest, head)
+    os.kill(child, signal.SIGKILL)
+    ingest.wait_until(lambda: ingest.psql("SELECT attempts, waiting_for FROM ingest_jobs WHERE data_set_id = %s", data_set) == [(1, "memory")],
+                      what="it waits")
+    assert upload_path(ingest, data_set).exists()
+    assert wait_end(ingest, data_set)[0] == "ready"
+    nothing_left(ingest, data_set)
 
 
 def test_a_child_that_does_not_end_is_ended(ingest, head):

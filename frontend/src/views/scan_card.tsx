@@ -79,6 +79,7 @@ function Details({ set, upload }: { readonly set: DataSet; readonly upload: Uplo
   }
   if (set.state === "refused") return <p class="card-fault">{set.refusal?.text}</p>;
   if (set.state === "expired") return <p class="muted">{t.scans.expired_hint}</p>;
+  if (set.waiting_for !== null) return <p class="muted" role="status">{t.scans.waiting_for[set.waiting_for]}</p>;
   if (set.state !== "uploading") return <Bar value={null} label={t.scans.states[set.state]} />;
   return <UploadDetails set={set} upload={upload} />;
 }

@@ -57,6 +57,11 @@ export const scans: Texts["scans"] = {
     refused: "Kann nicht gezeigt werden",
     expired: "Hochladen abgelaufen",
   },
+  waiting_for: {
+    room: "Auf dem Server ist gerade kein Platz für diese Aufnahme. Ihre Aufnahme ist sicher, und es geht von selbst weiter, sobald wieder Platz ist.",
+    memory: "Der Server hat gerade zu wenig Arbeitsspeicher für diese Aufnahme. Ihre Aufnahme ist sicher, und es geht von selbst weiter.",
+    service: "Ein Teil des Servers ist gerade nicht erreichbar. Ihre Aufnahme ist sicher, und es geht von selbst weiter.",
+  },
   expired_hint: "Das Hochladen wurde nicht rechtzeitig fertig. Löschen Sie es und versuchen Sie es noch einmal.",
   repaired: (repairs) => `Ausgebessert: ${repairs.join("; ")}`,
   picture: (title) => `Bild von ${title}`,

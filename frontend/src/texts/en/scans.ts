@@ -59,6 +59,11 @@ export const scans = {
     refused: "Cannot be shown",
     expired: "Upload expired",
   },
+  waiting_for: {
+    room: "The server has no room for this scan at the moment. Your scan is safe, and processing resumes by itself as soon as there is room.",
+    memory: "The server has too little memory for this scan at the moment. Your scan is safe, and processing resumes by itself.",
+    service: "A part of the server is unavailable at the moment. Your scan is safe, and processing resumes by itself.",
+  },
   expired_hint: "The upload was not finished in time. Delete it and try again.",
   repaired: (repairs: readonly string[]) => `Mended: ${repairs.join("; ")}`,
   picture: (title: string) => `Picture of ${title}`,
