@@ -85,6 +85,7 @@ struct Settings {
   std::optional<SealingKey> factor_key;
   std::uint16_t api_port = 0, admin_port = 0;
   DataSets::Options data_sets;
+  std::int64_t export_total_bytes = 0;
   wire::InnerTls tls;
 };
 
@@ -112,6 +113,14 @@ Settings read_settings(ConfigReader& in) {
       in.integer("disk-reserve-mb", "kept free of uploads on their disk, in MiB", 0, 1'000'000,
                  1024)
       << 20;
+  s.data_sets.limits.unprocessed = static_cast<int>(
+      in.integer("most-unprocessed", "data sets of an account that are uploading or not built yet",
+                 1, 100'000, 50));
+  s.data_sets.limits.all =
+      static_cast<int>(in.integer("most-data-sets", "data sets of an account", 1, 1'000'000, 2000));
+  s.export_total_bytes = in.integer("exports-mb", "disk that all exports may take together, in MiB",
+                                    1, 10'000'000, 20'480)
+                         << 20;
   const std::string token_file =
       in.text("sample-token", "file with the token that uploads the public sample", "");
   if (!token_file.empty()) {
@@ -198,8 +207,12 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   Sessions sessions(data_sets, placed, render_time, first_scene);
   Administration administration(administration_store, placed, placed, clock);
   const std::string export_dir = settings.cache_dir + "/exports";
-  Exports exports(privacy_store, ZipWriter::create, clock, settings.volume_dir,
-                  settings.cache_dir + "/presets", export_dir);
+  Exports exports(privacy_store, ZipWriter::create, clock,
+                  {.volumes = settings.volume_dir,
+                   .pictures = settings.cache_dir + "/presets",
+                   .exports = export_dir,
+                   .reserve_bytes = settings.data_sets.reserve_bytes,
+                   .total_bytes = settings.export_total_bytes});
   AccountDeletion deletion(privacy_store, accounts, placed, clock);
   redis::Links link_store(**redis_client);
   RecordingRepository recording_store(database);
@@ -250,7 +263,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     (void)recording_store.expire(clock.wall());
   });
   Periodic count_render_time("render time", 2s, [&] { render_time.look(); });
-  Periodic make_exports("exports", 30s, [&] { exports.look(); });
+  Periodic make_exports("exports", 2s, [&] { exports.look(); });
   exports.on_request([&] { make_exports.wake(); });
   deletion.on_removal([&] {
     dispose.wake();

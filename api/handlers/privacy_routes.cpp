@@ -19,6 +19,7 @@ const char* to_text(Export::State state) {
 
 nlohmann::ordered_json to_json(const Export& one) {
   nlohmann::ordered_json json{{"state", to_text(one.state)},
+                              {"waiting", one.waiting && one.state == Export::State::kQueued},
                               {"bytes", nullptr},
                               {"created_at", rfc3339(one.created_at)},
                               {"expires_at", rfc3339(one.expires_at)}};

@@ -58,6 +58,8 @@ ProblemForm form_of(ProblemKind kind) {
       return {"tus-version", 412, "Another version of tus"};
     case ProblemKind::kOverQuota:
       return {"over-quota", 413, "Over the quota"};
+    case ProblemKind::kTooManyDataSets:
+      return {"too-many-data-sets", 409, "Too many scans"};
     case ProblemKind::kRenderTimeSpent:
       return {"render-time-spent", 403, "No picture time left"};
     case ProblemKind::kUploadTooLarge:

@@ -29,10 +29,11 @@ tl::unexpected<Error> not_found() {
 
 }  // namespace
 
-Result<std::variant<Created, OverQuota, KeyReused>> DataSetRepository::create(
-    const NewDataSet& data_set, const std::optional<IdempotencyKey>& key, Time now) {
-  using Answer = std::variant<Created, OverQuota, KeyReused>;
-  return database_.transact([&](pqxx::work& transaction) -> Result<Answer> {
+Result<DataSetStore::Creation> DataSetRepository::create(const NewDataSet& data_set,
+                                                         const DataSetLimits& limits,
+                                                         const std::optional<IdempotencyKey>& key,
+                                                         Time now) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<Creation> {
     const std::string& user_id = data_set.owner.user_id;
     const bool sample = user_id.empty();
     if (!sample) {
@@ -41,6 +42,13 @@ Result<std::variant<Created, OverQuota, KeyReused>> DataSetRepository::create(
       if (before) return std::get<Created>(*before);
       const Quota quota = lock_quota(transaction, user_id);
       if (data_set.bytes > quota.bytes - quota.used) return OverQuota{quota};
+      const pqxx::row counts = transaction.exec_params1(R"sql(
+          SELECT count(*) FILTER (WHERE d.state IN ('uploading', 'queued', 'building')
+                                    AND d.volume_bytes IS NULL), count(*)
+            FROM data_sets d WHERE d.owner_id = $1)sql",
+                                                        user_id);
+      if (counts[0].as<int>() >= limits.unprocessed) return TooManyDataSets{true};
+      if (counts[1].as<int>() >= limits.all) return TooManyDataSets{false};
     }
     transaction.exec_params0(
         R"sql(

@@ -10,8 +10,8 @@ class DataSetRepository final : public DataSetStore {
  public:
   explicit DataSetRepository(Database& database) : database_(database) {}
 
-  Result<std::variant<Created, OverQuota, KeyReused>> create(
-      const NewDataSet& data_set, const std::optional<IdempotencyKey>& key, Time now) override;
+  Result<Creation> create(const NewDataSet& data_set, const DataSetLimits& limits,
+                          const std::optional<IdempotencyKey>& key, Time now) override;
   Result<std::vector<DataSet>> list(const Viewer& viewer, std::optional<Cursor> after,
                                     int limit) override;
   Result<DataSet> find(const Viewer& viewer, const std::string& id) override;

@@ -72,7 +72,7 @@ Result<std::optional<Export>> PrivacyRepository::find(const std::string& user_id
     const pqxx::result found = transaction.exec_params(
         R"sql(
         SELECT id, state, COALESCE(bytes, 0), (extract(epoch FROM created_at) * 1000000)::bigint,
-               (extract(epoch FROM expires_at) * 1000000)::bigint
+               (extract(epoch FROM expires_at) * 1000000)::bigint, waiting
           FROM exports WHERE user_id = $1::uuid AND expires_at > to_timestamp($2::bigint / 1e6))sql",
         user_id, to_us(now));
     if (found.empty()) return std::nullopt;
@@ -81,8 +81,10 @@ Result<std::optional<Export>> PrivacyRepository::find(const std::string& user_id
                   state == "ready"    ? Export::State::kReady
                   : state == "failed" ? Export::State::kFailed
                                       : Export::State::kQueued,
-                  found[0][2].as<std::int64_t>(), from_us(found[0][3].as<std::int64_t>()),
-                  from_us(found[0][4].as<std::int64_t>())};
+                  found[0][2].as<std::int64_t>(),
+                  from_us(found[0][3].as<std::int64_t>()),
+                  from_us(found[0][4].as<std::int64_t>()),
+                  found[0][5].as<bool>()};
   });
 }
 
@@ -111,11 +113,13 @@ Result<std::optional<ExportStore::Job>> PrivacyRepository::claim(Time now,
          WHERE id = (SELECT id FROM exports
                       WHERE state = 'queued'
                         AND (leased_until IS NULL OR leased_until <= to_timestamp($1::bigint / 1e6))
+                        AND (not_before IS NULL OR not_before <= to_timestamp($1::bigint / 1e6))
                       ORDER BY created_at LIMIT 1 FOR UPDATE SKIP LOCKED)
-        RETURNING id, user_id)sql",
+        RETURNING id, user_id, waits)sql",
         to_us(now), to_us(now + lease));
     if (claimed.empty()) return std::nullopt;
-    return Job{claimed[0][0].as<std::string>(), claimed[0][1].as<std::string>()};
+    return Job{claimed[0][0].as<std::string>(), claimed[0][1].as<std::string>(),
+               claimed[0][2].as<int>()};
   });
 }
 
@@ -183,6 +187,33 @@ Result<bool> PrivacyRepository::finish(const std::string& id, std::int64_t bytes
         "UPDATE exports SET state = 'ready', bytes = $2 WHERE id = $1::uuid AND state = 'queued'",
         id, bytes);
     return done.affected_rows() > 0;
+  });
+}
+
+Result<ExportStore::Sizes> PrivacyRepository::sizes(const std::string& user_id) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<Sizes> {
+    const pqxx::row row = transaction.exec_params1(
+        R"sql(
+        SELECT COALESCE((SELECT sum(volume_bytes) FROM data_sets
+                          WHERE owner_id = $1::uuid AND state = 'ready'), 0)::bigint,
+               COALESCE((SELECT sum(bytes) FROM exports WHERE state = 'ready'), 0)::bigint)sql",
+        user_id);
+    return Sizes{row[0].as<std::int64_t>(), row[1].as<std::int64_t>()};
+  });
+}
+
+Result<void> PrivacyRepository::wait(const std::string& id, Time not_before) {
+  return database_.transact([&](pqxx::work& transaction) -> Result<void> {
+    // It must not expire while it waits.
+    transaction.exec_params0(
+        R"sql(
+        UPDATE exports
+           SET leased_until = NULL, attempts = attempts - 1, waits = waits + 1, waiting = true,
+               not_before = to_timestamp($2::bigint / 1e6),
+               expires_at = GREATEST(expires_at, to_timestamp($2::bigint / 1e6) + interval '1 day')
+         WHERE id = $1::uuid AND state = 'queued')sql",
+        id, to_us(not_before));
+    return {};
   });
 }
 

@@ -20,6 +20,8 @@ class PrivacyRepository final : public ExportStore, public AccountDeletionStore 
   Result<std::vector<std::string>> volumes(const std::string& user_id) override;
   Result<std::vector<Picture>> pictures(const std::string& user_id) override;
   Result<bool> finish(const std::string& id, std::int64_t bytes) override;
+  Result<Sizes> sizes(const std::string& user_id) override;
+  Result<void> wait(const std::string& id, Time not_before) override;
   Result<void> expire(Time now) override;
 
   Result<std::vector<std::string>> remove_account(const std::string& user_id,

@@ -57,6 +57,9 @@ struct DataSet {
   int people = 0, links = 0;  ///< it is shared with; told to the owner
   std::optional<Time> published_at, anonymised_at;
   std::string refusal_code, refusal_text;  ///< state kRefused
+  /// State kQueued, told to the owner: "room", "memory" or "service", which it waits for beyond its
+  /// turn; or empty.
+  std::string waiting_for;
   // State kReady:
   std::string modality;
   std::array<int, 3> size{};
@@ -96,6 +99,16 @@ struct OverQuota {
   Quota quota;
 };
 
+/// How many data sets an account may have: that are not processed yet, and in all.
+struct DataSetLimits {
+  int unprocessed = 0;
+  int all = 0;
+};
+
+struct TooManyDataSets {
+  bool unprocessed = false;  ///< which of the two limits
+};
+
 /// What is to be removed from disk.
 struct Disposal {
   /// kPictures: what was made of a volume that has been replaced. kPreset: a preset's picture.
@@ -109,8 +122,9 @@ class DataSetStore {
  public:
   virtual ~DataSetStore() = default;
 
-  virtual Result<std::variant<Created, OverQuota, KeyReused>> create(
-      const NewDataSet& data_set, const std::optional<IdempotencyKey>& key, Time now) = 0;
+  using Creation = std::variant<Created, OverQuota, TooManyDataSets, KeyReused>;
+  virtual Result<Creation> create(const NewDataSet& data_set, const DataSetLimits& limits,
+                                  const std::optional<IdempotencyKey>& key, Time now) = 0;
   /// Own ones in any state; those shared with the viewer and samples, when they are ready. Newest
   /// first, after `after`. Invitations that waited for the viewer's address become his.
   virtual Result<std::vector<DataSet>> list(const Viewer& viewer, std::optional<Cursor> after,

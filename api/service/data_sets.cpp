@@ -27,6 +27,19 @@ Viewer viewer_of(const Principal& who) {
   return {who.user_id, who.sample_operator, who.administrator};
 }
 
+tl::unexpected<Problem> too_many(const TooManyDataSets& many, const DataSetLimits& limits) {
+  if (many.unprocessed) {
+    return refuse(ProblemKind::kTooMany,
+                  std::to_string(limits.unprocessed) +
+                      " of your scans are being uploaded or processed. Wait until some of them are "
+                      "ready, then upload the next.",
+                  std::chrono::minutes(1));
+  }
+  return refuse(ProblemKind::kTooManyDataSets,
+                "You have " + std::to_string(limits.all) +
+                    " scans, which is the limit. Delete some of them, then upload the next.");
+}
+
 std::string in_megabytes(std::int64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; }
 
 }  // namespace
@@ -70,14 +83,17 @@ Outcome<DataSet> DataSets::announce(const Principal& who, const Announcement& an
                          blake2b(std::to_string(announcement.bytes) + "\n" + announcement.title)};
   }
   const auto made = store_.create(
-      {new_id(), owner, announcement.title, announcement.bytes, now + options_.upload_life}, key,
-      now);
+      {new_id(), owner, announcement.title, announcement.bytes, now + options_.upload_life},
+      options_.limits, key, now);
   if (!made) return refuse(made.error());
   if (const auto* over = std::get_if<OverQuota>(&*made)) {
     return refuse(ProblemKind::kOverQuota, "This scan has " + in_megabytes(announcement.bytes) +
                                                "; of your " + in_megabytes(over->quota.bytes) +
                                                " there are " + in_megabytes(over->quota.used) +
                                                " in use. Delete something first.");
+  }
+  if (const auto* many = std::get_if<TooManyDataSets>(&*made)) {
+    return too_many(*many, options_.limits);
   }
   if (std::holds_alternative<KeyReused>(*made)) {
     return refuse(ProblemKind::kIdempotencyKeyReused,

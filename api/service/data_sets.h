@@ -21,6 +21,7 @@ class DataSets {
     std::chrono::seconds upload_life = std::chrono::hours(24);  ///< since the last part
     /// Kept free beside what is announced, for the volume that is built of it and for the database.
     std::int64_t reserve_bytes = std::int64_t{1} << 30;
+    DataSetLimits limits{50, 2000};  ///< of one account
   };
   struct Announcement {
     std::string title;
@@ -36,7 +37,7 @@ class DataSets {
   DataSets(DataSetStore& store, Placement& placement, const Clock& clock, Options options,
            std::function<std::int64_t()> free_bytes);
 
-  /// kOverQuota, kUploadTooLarge, kIdempotencyKeyReused, kStorageFull.
+  /// kOverQuota, kTooMany, kTooManyDataSets, kUploadTooLarge, kIdempotencyKeyReused, kStorageFull.
   Outcome<DataSet> announce(const Principal& who, const Announcement& announcement);
   Outcome<Page> list(const Principal& who, std::optional<Cursor> after, int limit);
   /// The one gate of every route: the data set, if this person may do that with it. kNotFound when

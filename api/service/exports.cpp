@@ -1,5 +1,8 @@
 #include "api/service/exports.h"
 
+#include <sys/statvfs.h>
+
+#include <algorithm>
 #include <filesystem>
 
 #include "common/ids.h"
@@ -20,21 +23,23 @@ constexpr std::string_view kReadMe =
     "           presets/ are pictures of the scan, one for each preset saved for it.\n\n"
     "The files from your disc are not here, because they are not kept.\n";
 
+std::chrono::seconds pause_after(int waits) {
+  constexpr int kMostDoublings = 10;
+  return std::min<std::chrono::seconds>(
+      Exports::kFirstPause * (1 << std::clamp(waits, 0, kMostDoublings)), Exports::kLongestPause);
+}
+
 tl::unexpected<Problem> none() {
   return refuse(ProblemKind::kNotFound, "There is no export; ask for one.");
 }
 
 }  // namespace
 
-Exports::Exports(ExportStore& store, MakeFile make_file, const Clock& clock,
-                 std::string volume_directory, std::string picture_directory,
-                 std::string export_directory)
+Exports::Exports(ExportStore& store, MakeFile make_file, const Clock& clock, Options options)
     : store_(store),
       make_file_(std::move(make_file)),
       clock_(clock),
-      volume_directory_(std::move(volume_directory)),
-      picture_directory_(std::move(picture_directory)),
-      export_directory_(std::move(export_directory)) {}
+      options_(std::move(options)) {}
 
 Outcome<Export> Exports::request(const Principal& who) {
   const Time now = clock_.wall();
@@ -94,7 +99,7 @@ Result<std::int64_t> Exports::write(const ExportStore::Job& job, const std::stri
   for (const std::string& id : *volumes) {
     for (const char* name : {"volume.json", "voxels.i16"}) {
       const std::string of_scan = id + "/" + name;
-      if (auto done = add("scans/" + of_scan, volume_directory_ + "/" + of_scan); !done) {
+      if (auto done = add("scans/" + of_scan, options_.volumes + "/" + of_scan); !done) {
         return tl::unexpected(done.error());
       }
     }
@@ -103,10 +108,52 @@ Result<std::int64_t> Exports::write(const ExportStore::Job& job, const std::stri
   if (!pictures) return tl::unexpected(pictures.error());
   for (const ExportStore::Picture& one : *pictures) {
     const auto done = add("scans/" + one.data_set_id + "/presets/" + one.preset_id + ".jpg",
-                          picture_directory_ + "/" + one.preset_id + "/picture.jpg");
+                          options_.pictures + "/" + one.preset_id + "/picture.jpg");
     if (!done) return tl::unexpected(done.error());
   }
   return (*file)->finish();
+}
+
+Result<void> Exports::check_room(const ExportStore::Job& job) const {
+  const auto sizes = store_.sizes(job.user_id);
+  if (!sizes) return tl::unexpected(sizes.error());
+  struct statvfs info {};
+  if (::statvfs(options_.exports.c_str(), &info) != 0) {
+    return fail(ErrorCode::kUnavailable, "the disk of exports is away");
+  }
+  const auto free =
+      static_cast<std::int64_t>(info.f_bavail) * static_cast<std::int64_t>(info.f_frsize);
+  if (free - options_.reserve_bytes < sizes->volumes) {
+    return fail(ErrorCode::kUnavailable, "the disk is full");
+  }
+  if (sizes->kept > 0 && sizes->kept + sizes->volumes > options_.total_bytes) {
+    return fail(ErrorCode::kUnavailable, "other exports take all the room for exports");
+  }
+  return {};
+}
+
+Result<void> Exports::make(const ExportStore::Job& job) {
+  std::error_code error;
+  std::filesystem::create_directories(options_.exports, error);
+  if (error) return fail(ErrorCode::kUnavailable, "the disk of exports cannot be written");
+  if (auto room = check_room(job); !room) return room;
+  const std::string path = options_.exports + "/" + job.id + ".zip";
+  const std::string unfinished = options_.exports + "/.tmp-" + job.id;
+  const auto leave_nothing = [&] {
+    std::filesystem::remove(unfinished, error);
+    std::filesystem::remove(path, error);
+  };
+  const auto bytes = write(job, unfinished);
+  if (bytes) std::filesystem::rename(unfinished, path, error);
+  if (!bytes || error) {
+    leave_nothing();
+    if (!bytes) return tl::unexpected(bytes.error());
+    return fail(ErrorCode::kUnavailable, "the export cannot be renamed");
+  }
+  const auto wanted = store_.finish(job.id, *bytes);
+  if (!wanted || !*wanted) leave_nothing();
+  if (!wanted) return tl::unexpected(wanted.error());
+  return {};
 }
 
 void Exports::look() {
@@ -115,19 +162,13 @@ void Exports::look() {
     const auto job = store_.claim(clock_.wall(), kLease);
     if (!job || !*job) return;
     const ExportStore::Job& one = **job;
-    std::error_code error;
-    std::filesystem::create_directories(export_directory_, error);
-    const std::string path = export_directory_ + "/" + one.id + ".zip";
-    const std::string unfinished = export_directory_ + "/.tmp-" + one.id;
-    const auto bytes = write(one, unfinished);
-    if (bytes) std::filesystem::rename(unfinished, path, error);
-    const auto wanted = bytes && !error ? store_.finish(one.id, *bytes) : Result<bool>(false);
-    if (!bytes)
-      log::warning("export not made", {{"export", one.id}, {"reason", bytes.error().message}});
-    if (wanted && *wanted) continue;
-    // Not wanted any more, or it failed: nothing is left of it.
-    std::filesystem::remove(unfinished, error);
-    std::filesystem::remove(path, error);
+    const auto made = make(one);
+    if (made) continue;
+    log::warning("export not made",
+                 {{"export", one.id}, {"reason", made.error().message}, {"waits", one.waits + 1}});
+    if (made.error().code == ErrorCode::kUnavailable) {
+      (void)store_.wait(one.id, clock_.wall() + pause_after(one.waits));
+    }
   }
 }
 

@@ -19,6 +19,7 @@ struct Export {
   State state = State::kQueued;
   std::int64_t bytes = 0;  ///< when it is ready
   Time created_at, expires_at;
+  bool waiting = false;  ///< with kQueued: there is no room for it just now
 };
 
 /// Rows of one table, as a JSON array.
@@ -32,6 +33,12 @@ class ExportStore {
  public:
   struct Job {
     std::string id, user_id;
+    int waits = 0;  ///< how often in a row it has waited
+  };
+  /// What counts when an export is to be made.
+  struct Sizes {
+    std::int64_t volumes = 0;  ///< bytes of the person's own, which is nearly all that goes into it
+    std::int64_t kept = 0;     ///< bytes of all exports that are ready
   };
   virtual ~ExportStore() = default;
   /// In place of the one that there is; nothing when that one is on its way, or was made after
@@ -53,6 +60,9 @@ class ExportStore {
   virtual Result<std::vector<Picture>> pictures(const std::string& user_id) = 0;
   /// False: it is not wanted any more.
   virtual Result<bool> finish(const std::string& id, std::int64_t bytes) = 0;
+  virtual Result<Sizes> sizes(const std::string& user_id) = 0;
+  /// Back into the queue until `not_before`; the attempt does not count.
+  virtual Result<void> wait(const std::string& id, Time not_before) = 0;
   virtual Result<void> expire(Time now) = 0;
 };
 
@@ -72,10 +82,17 @@ class Exports {
   static constexpr std::chrono::hours kLife{24};
   static constexpr std::chrono::minutes kPause{10};  ///< between two of one person
   static constexpr std::chrono::minutes kLease{30};
+  static constexpr std::chrono::seconds kFirstPause{2};  ///< doubled each time it has to wait
+  static constexpr std::chrono::seconds kLongestPause{120};
 
-  /// `picture_directory` has a folder for each preset.
-  Exports(ExportStore& store, MakeFile make_file, const Clock& clock, std::string volume_directory,
-          std::string picture_directory, std::string export_directory);
+  struct Options {
+    std::string volumes;             ///< directory
+    std::string pictures;            ///< directory, with a folder for each preset
+    std::string exports;             ///< directory
+    std::int64_t reserve_bytes = 0;  ///< of the disk of `exports`, stay free
+    std::int64_t total_bytes = 0;    ///< of all exports that are kept; one alone may be larger
+  };
+  Exports(ExportStore& store, MakeFile make_file, const Clock& clock, Options options);
 
   /// kTooMany soon after another.
   Outcome<Export> request(const Principal& who);
@@ -85,17 +102,20 @@ class Exports {
   /// The file's name in the export directory; kNotReady, kNotFound.
   Outcome<std::string> file(const Principal& who);
 
-  /// Makes those that are due, and lets old ones go.
+  /// Makes those that are due, and lets old ones go. One for which there is no room waits; nothing
+  /// is left of what was begun.
   void look();
   void on_request(std::function<void()> wake) { wake_ = std::move(wake); }
 
  private:
+  Result<void> make(const ExportStore::Job& job);
+  Result<void> check_room(const ExportStore::Job& job) const;
   Result<std::int64_t> write(const ExportStore::Job& job, const std::string& path);
 
   ExportStore& store_;
   MakeFile make_file_;
   const Clock& clock_;
-  std::string volume_directory_, picture_directory_, export_directory_;
+  Options options_;
   std::function<void()> wake_ = [] {};
 };
 

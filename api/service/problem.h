@@ -38,6 +38,7 @@ enum class ProblemKind {
   kChecksumMismatch,
   kTusVersion,
   kOverQuota,
+  kTooManyDataSets,
   kRenderTimeSpent,
   kUploadTooLarge,
   kBodyTooLarge,

@@ -29,6 +29,8 @@ export interface BrowserSession {
 
 export interface Export {
   readonly state: "queued" | "ready" | "failed";
+  /** Queued, and there is no room for it at the moment. */
+  readonly waiting: boolean;
   readonly bytes: number | null;
   readonly created_at: string;
   readonly expires_at: string;
@@ -98,6 +100,8 @@ export interface DataSet {
   readonly is_public: boolean;
   readonly is_sample: boolean;
   readonly refusal: { readonly code: string; readonly text: string } | null;
+  /** Queued, to the owner: what it waits for beyond its turn. */
+  readonly waiting_for: "room" | "memory" | "service" | null;
   readonly volume: {
     readonly modality: "CT" | "MR" | "PT" | "OTHER";
     readonly size: readonly [number, number, number];

@@ -216,7 +216,7 @@ function Data() {
       <h2 id="data">{t.my_account.data}</h2>
       <p class="muted">{t.my_account.export_help}</p>
       {wrong ? <Notice kind="bad">{wrong}</Notice> : null}
-      {made?.state === "queued" ? <p role="status">{t.my_account.export_queued}</p> : null}
+      {made?.state === "queued" ? <p role="status">{made.waiting ? t.my_account.export_waiting : t.my_account.export_queued}</p> : null}
       {made?.state === "failed" ? <Notice kind="bad">{t.my_account.export_failed}</Notice> : null}
       {made?.state === "ready" ? (
         <>

@@ -35,6 +35,7 @@ export const my_account: Texts["my_account"] = {
   export_help: "Eine Datei mit allem, was von Ihnen gespeichert ist: Ihr Konto, Ihre Aufnahmen als Voxel, Voreinstellungen, Aufzeichnungen, und was damit geschah. Sie liegt hier einen Tag lang, nur für Sie.",
   export_ask: "Datei erstellen",
   export_queued: "Die Datei wird erstellt …",
+  export_waiting: "Auf dem Server ist gerade kein Platz für die Datei. Sie wird erstellt, sobald wieder Platz ist; Sie müssen hier nicht warten.",
   export_ready: (size) => `Die Datei ist fertig: ${size}.`,
   export_until: (when) => `Sie liegt hier bis ${when}.`,
   export_failed: "Die Datei konnte nicht erstellt werden. Bitte versuchen Sie es noch einmal.",

@@ -33,6 +33,7 @@ export const my_account = {
   export_help: "A file with everything that is held of you: your account, your scans as voxels, presets, recordings, and what was done to them. It is kept here for a day, for you alone.",
   export_ask: "Make the file",
   export_queued: "The file is being made…",
+  export_waiting: "The server has no room for the file at the moment. It is made as soon as there is room; you need not wait here.",
   export_ready: (size: string) => `The file is ready: ${size}.`,
   export_until: (when: string) => `It is kept until ${when}.`,
   export_failed: "The file could not be made. Try again.",
