@@ -35,7 +35,7 @@ struct GatewaySettings {
 
 GatewaySettings read_settings(ConfigReader& in) {
   GatewaySettings s;
-  s.redis = in.text("redis", "host:port, or rediss://host:port with TLS");
+  s.redis = in.text("redis", "host:port, rediss://host:port with TLS, or unix:PATH");
   s.tls = wire::read_inner_tls(in);
   wire::check_address(in, "redis", s.redis, s.tls);
   s.stream_port = in.port("stream-port", "WebSockets, 127.0.0.1 only: the edge stands before it");

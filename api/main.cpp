@@ -91,7 +91,7 @@ struct Settings {
 
 Settings read_settings(ConfigReader& in) {
   Settings s;
-  s.redis = in.text("redis", "host:port, or rediss://host:port with TLS");
+  s.redis = in.text("redis", "host:port, rediss://host:port with TLS, or unix:PATH");
   s.fleet = in.text("fleet", "RenderFleet that grows for who finds no place", "");
   s.tls = wire::read_inner_tls(in);
   wire::check_address(in, "redis", s.redis, s.tls);

@@ -3,7 +3,9 @@
 #include <netdb.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 
+#include <cstring>
 #include <memory>
 
 namespace diaphane {
@@ -53,6 +55,28 @@ Fd connect_tcp(const std::string& address, std::chrono::milliseconds timeout) {
   }
   errno = why;
   return Fd(-1);
+}
+
+std::string unix_path(std::string_view address) {
+  constexpr std::string_view kScheme = "unix:";
+  return address.starts_with(kScheme) ? std::string(address.substr(kScheme.size())) : "";
+}
+
+Fd connect_unix(const std::string& path) {
+  sockaddr_un address{};
+  static_assert(sizeof address.sun_path == kMostUnixPath + 1);
+  address.sun_family = AF_UNIX;
+  if (path.size() > kMostUnixPath) {
+    errno = ENAMETOOLONG;
+    return Fd(-1);
+  }
+  std::memcpy(address.sun_path, path.data(), path.size());
+  Fd made(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (made &&
+      ::connect(made.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    return Fd(-1);
+  }
+  return made;
 }
 
 }  // namespace diaphane

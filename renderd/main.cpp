@@ -14,6 +14,7 @@
 
 #include "common/clock.h"
 #include "common/config.h"
+#include "common/connect.h"
 #include "common/ids.h"
 #include "common/log.h"
 #include "common/service/admin_server.h"
@@ -21,6 +22,7 @@
 #include "common/service/freed_memory.h"
 #include "common/service/signals.h"
 #include "common/wire/inner_tls.h"
+#include "common/wire/redis_address.h"
 #include "renderd/composite/composite_engine.h"
 #include "renderd/serve/grpc_assistants.h"
 #include "renderd/serve/grpc_server.h"
@@ -89,8 +91,9 @@ void read_devices(ConfigReader& in, Settings& settings) {
     settings.devices.push_back(number);
   }
   if (settings.devices.empty()) in.mistake("--devices names none");
-  settings.assist = split(
-      in.text("assist", "other renderd that help with each picture: host:port, with commas", ""));
+  settings.assist = split(in.text(
+      "assist", "other renderd that help with each picture: host:port or unix:PATH, with commas",
+      ""));
   settings.lend = static_cast<std::size_t>(in.integer(
       "lend",
       "neighbours on this Redis that are asked to help at most, while sessions ask for more than "
@@ -99,7 +102,7 @@ void read_devices(ConfigReader& in, Settings& settings) {
   for (const std::string& address : settings.assist) {
     const auto parsed = wire::parse_redis_address(address);
     if (!parsed || parsed->with_tls) {
-      in.mistake("--assist: '" + address + "' is no host:port");
+      in.mistake("--assist: '" + address + "' is neither host:port nor unix:PATH");
     } else if (!settings.tls.on()) {
       wire::check_address(in, "assist", address, settings.tls);
     }
@@ -139,7 +142,8 @@ std::shared_ptr<volume::NodeCache> copies_of(const Settings& settings) {
 Settings read_settings(ConfigReader& in) {
   Settings settings;
   settings.worker_id = in.text("worker-id", "name of this worker, unique among those on one Redis");
-  const std::string redis = in.text("redis", "host:port, or rediss://host:port with TLS");
+  const std::string redis =
+      in.text("redis", "host:port, rediss://host:port with TLS, or unix:PATH");
   settings.tls = wire::read_inner_tls(in);
   if (const auto address = wire::parse_redis_address(redis)) {
     settings.redis = *address;
@@ -148,12 +152,19 @@ Settings read_settings(ConfigReader& in) {
   } else if (!redis.empty()) {
     in.mistake("--redis " + address.error().message);
   }
-  settings.grpc_address = in.text("grpc-address", "address to listen on", "127.0.0.1");
+  settings.grpc_address =
+      in.text("grpc-address", "address to listen on, or unix:PATH, without a port", "127.0.0.1");
   if (!settings.tls.on()) {
     wire::check_address(in, "grpc-address", settings.grpc_address, settings.tls);
   }
-  settings.grpc_port = in.port("grpc-port", "gRPC, for the gateway");
-  settings.advertise = in.text("advertise", "host:port at which the gateway finds this worker");
+  if (const std::string path = unix_path(settings.grpc_address); path.empty()) {
+    settings.grpc_port = in.port("grpc-port", "gRPC, for the gateway");
+  } else if (path.front() != '/' || path.size() > kMostUnixPath) {
+    in.mistake("--grpc-address: unix:PATH must be an absolute path of at most " +
+               std::to_string(kMostUnixPath) + " bytes");
+  }
+  settings.advertise =
+      in.text("advertise", "host:port or unix:PATH at which the gateway finds this worker");
   settings.admin_port = in.port("admin-port", "metrics and health");
   settings.admin_address = in.text("admin-address", "address of the admin port", "127.0.0.1");
   settings.volume_dir = in.directory("volume-dir", "the volume store");
@@ -374,7 +385,7 @@ int run(int argc, char** argv) {
     registry_now = &registry;
     log::info("serving", {{"engine", info.engine},
                           {"device", info.device},
-                          {"port", (*server)->port()},
+                          {"address", settings.advertise},
                           {"slots", settings.slots}});
     while (!stop.wait_for(milliseconds(200)) && !name_taken) {
       ++turns;

@@ -17,3 +17,16 @@ def issue(folder: Path, ca: str = "ca.pem", certificate: str = "own.pem", key: s
     openssl("req", "-new", *_KEY, "-keyout", key, "-subj", "/CN=diaphane-test", "-out", "own.csr")
     (folder / "own.ext").write_text(f"subjectAltName={names}")
     openssl("x509", "-req", "-in", "own.csr", "-CA", ca, "-CAkey", "ca.key", "-days", "2", "-extfile", "own.ext", "-out", certificate)
+
+
+def issue_another(folder: Path, name: str, names: str = "IP:127.0.0.1", days: int = 2, usage: str = "", signed: bool = True) -> tuple[str, str]:
+    """Another certificate by the authority that issue() has left in `folder`, and its key: NAME.pem, NAME.key. A negative `days` is one that
+    has expired; `usage`: the only extended key usage that it is for; not `signed`: by itself alone."""
+    def openssl(*words: str) -> None:
+        subprocess.run(["openssl", *words], check=True, capture_output=True, cwd=folder)
+
+    by = ("-CA", "ca.pem", "-CAkey", "ca.key") if signed else ("-signkey", f"{name}.key")
+    openssl("req", "-new", *_KEY, "-keyout", f"{name}.key", "-subj", f"/CN={name}", "-out", f"{name}.csr")
+    (folder / f"{name}.ext").write_text(f"subjectAltName={names}\n" + (f"extendedKeyUsage={usage}\n" if usage else ""))
+    openssl("x509", "-req", "-in", f"{name}.csr", *by, "-days", str(days), "-extfile", f"{name}.ext", "-out", f"{name}.pem")
+    return str(folder / f"{name}.pem"), str(folder / f"{name}.key")

@@ -95,7 +95,12 @@ class TestStack:
         """A client of the stack's Redis; answers are str."""
         import redis
 
-        return redis.Redis(port=self.ports["redis"], decode_responses=True)
+        return redis.Redis(unix_socket_path=str(self.stack.settings.socket("redis")), decode_responses=True)
+
+    @property
+    def redis_address(self) -> str:
+        """As programs take it in their setting `redis`."""
+        return self.stack.settings.redis
 
     def mails(self, to: str | None = None) -> list[EmailMessage]:
         """The mails that were sent, oldest first; only those to `to` when it is given."""

@@ -47,9 +47,7 @@ Result<void> Stage::start_all(const Options& options) {
   if (wrong || !fs::exists(store + "/" + volume_id_ + "/volume.json")) {
     return fail(ErrorCode::kInvalid, options.volume_dir + " holds no volume");
   }
-  std::uint16_t grpc_port = 0;
-  for (std::uint16_t* port :
-       {&redis_port_, &stream_port_, &gateway_admin_, &renderd_admin_, &grpc_port}) {
+  for (std::uint16_t* port : {&stream_port_, &gateway_admin_, &renderd_admin_}) {
     auto claimed = ClaimedPort::take();
     if (!claimed) return tl::unexpected(claimed.error());
     *port = claimed->number();
@@ -84,16 +82,17 @@ Result<void> Stage::start_all(const Options& options) {
   if (!client) return tl::unexpected(client.error());
   redis::Sessions sessions(**client);
   auto done = add(redis_program,
-                  {"--port", std::to_string(redis_port_), "--bind", "127.0.0.1", "--save", "",
+                  {"--port", "0", "--unixsocket", folder_ + "/redis.sock", "--save", "",
                    "--appendonly", "no", "--dir", folder_},
                   "redis")
                   .and_then([&] { return wait([&] { return sessions.reachable(); }, "redis"); });
   if (!done) return done;
 
+  const std::string socket = "unix:" + folder_ + "/renderd.sock";
   std::vector<std::string> renderd{"--worker-id=load",
                                    "--redis=" + redis(),
-                                   "--grpc-port=" + std::to_string(grpc_port),
-                                   "--advertise=127.0.0.1:" + std::to_string(grpc_port),
+                                   "--grpc-address=" + socket,
+                                   "--advertise=" + socket,
                                    "--admin-port=" + std::to_string(renderd_admin_),
                                    "--volume-dir=" + store,
                                    "--engine=" + options.engine,

@@ -20,11 +20,12 @@ struct Usage {
   Samples worker, streams;                                  ///< metrics of renderd and gateway
 };
 
-/// Redis, renderd and gateway on free ports of the loopback, in a temporary directory.
+/// Redis, renderd and gateway on sockets in a private temporary directory, and on free ports of the
+/// loopback.
 class Stage {
  public:
   struct Options {
-    std::string bin_dir;     ///< diaphane-renderd, diaphane-gateway; redis-server there or in the PATH
+    std::string bin_dir;  ///< diaphane-renderd, diaphane-gateway; redis-server there or in the PATH
     std::string volume_dir;  ///< one volume of the store: volume.json and voxels.i16
     std::string engine = "auto";
     std::size_t slots = 8;
@@ -36,7 +37,7 @@ class Stage {
   static Result<std::unique_ptr<Stage>> set(Options options);
   ~Stage();
 
-  std::string redis() const { return "127.0.0.1:" + std::to_string(redis_port_); }
+  std::string redis() const { return "unix:" + folder_ + "/redis.sock"; }
   std::uint16_t stream_port() const { return stream_port_; }
   const std::string& origin() const { return origin_; }
   const std::string& volume_id() const { return volume_id_; }
@@ -49,7 +50,7 @@ class Stage {
   Result<void> start_all(const Options& options);
 
   std::string folder_, log_dir_, volume_id_, origin_;
-  std::uint16_t redis_port_ = 0, stream_port_ = 0, gateway_admin_ = 0, renderd_admin_ = 0;
+  std::uint16_t stream_port_ = 0, gateway_admin_ = 0, renderd_admin_ = 0;
   std::vector<ClaimedPort> ports_;
   std::vector<Child> children_;  // Redis, renderd, gateway
 };

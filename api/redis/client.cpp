@@ -74,8 +74,7 @@ bool is_temporary(std::string_view error) {
 
 struct Client::Impl {
   Options options;
-  std::string host;
-  int port = 0;
+  wire::RedisAddress address;
   std::unique_ptr<wire::TlsTunnels> tunnels;  ///< where there is TLS; outlives the connections
 
   std::mutex mutex;
@@ -101,18 +100,21 @@ struct Client::Impl {
   Context connect(milliseconds connect_limit, milliseconds command_limit) const {
     Context context;
     if (tunnels) {
-      const auto local = tunnels->open(host, port, connect_limit);
+      const auto local = tunnels->open(address.host, address.port, connect_limit);
       if (!local) {
         log::warning("redis", {{"reason", local.error().message}});
         return nullptr;
       }
       context.reset(redisConnectFd(*local));
+    } else if (!address.path.empty()) {
+      context.reset(redisConnectUnixWithTimeout(address.path.c_str(), to_timeval(connect_limit)));
     } else {
-      context.reset(redisConnectWithTimeout(host.c_str(), port, to_timeval(connect_limit)));
+      context.reset(
+          redisConnectWithTimeout(address.host.c_str(), address.port, to_timeval(connect_limit)));
     }
     if (!context || context->err != 0) return nullptr;
     redisSetTimeout(context.get(), to_timeval(command_limit));
-    if (!tunnels) redisEnableKeepAlive(context.get());
+    if (!tunnels && address.path.empty()) redisEnableKeepAlive(context.get());
     return context;
   }
 
@@ -189,8 +191,7 @@ Result<std::unique_ptr<Client>> Client::create(Options options) {
   } else if (auto plain = wire::may_be_plain(options.address, options.tls); !plain) {
     return fail(ErrorCode::kInvalid, plain.error().message, "redis");
   }
-  impl->host = std::move(address->host);
-  impl->port = address->port;
+  impl->address = *std::move(address);
   if (options.connections == 0) return fail(ErrorCode::kInvalid, "needs at least one connection");
   impl->options = std::move(options);
   return std::unique_ptr<Client>(new Client(std::move(impl)));

@@ -27,7 +27,7 @@ using Arguments = std::vector<std::string_view>;
 class Client {
  public:
   struct Options {
-    std::string address;  ///< "host:port", or "rediss://host:port" with TLS
+    std::string address;  ///< "host:port", "rediss://host:port" with TLS, or "unix:/path"
     std::size_t connections = 8;
     std::chrono::milliseconds connect_timeout{250};
     std::chrono::milliseconds command_timeout{1000};

@@ -66,7 +66,8 @@ WorkerChannels::~WorkerChannels() {
 }
 
 bool accepts_connections(const std::string& address, std::chrono::milliseconds timeout) {
-  return static_cast<bool>(connect_tcp(address, timeout));
+  const std::string path = unix_path(address);
+  return static_cast<bool>(path.empty() ? connect_tcp(address, timeout) : connect_unix(path));
 }
 
 }  // namespace diaphane::api::stream

@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "common/connect.h"
 #include "common/wire/redis_address.h"
 
 namespace diaphane::wire {
@@ -68,6 +69,7 @@ InnerTls read_inner_tls(ConfigReader& in) {
 }
 
 bool is_this_machine(std::string_view address) {
+  if (!unix_path(address).empty()) return true;
   const std::string host(host_of(address));
   in_addr four{};
   if (inet_pton(AF_INET, host.c_str(), &four) == 1) return ntohl(four.s_addr) >> 24 == 127;

@@ -38,7 +38,7 @@ InnerTls read_inner_tls(ConfigReader& in);
 /// kInvalid, with the file, when these cannot be used.
 Result<void> check(const TlsFiles& files);
 
-/// 127.0.0.0/8, ::1 or localhost. `address`: host, or host:port.
+/// 127.0.0.0/8, ::1, localhost or unix:/path. `address`: one of these, or host:port.
 bool is_this_machine(std::string_view address);
 
 /// kInvalid, and in words what to do, where `address` would be reached without TLS and must not be.

@@ -42,12 +42,21 @@ class Authority {
   Authority& operator=(const Authority&) = delete;
 
   /// For `names` ("DNS:renderd,IP:127.0.0.1"), trusting this CA.
-  TlsFiles issue(const std::string& file, const std::string& names) const {
+  /// Negative `days`: it has expired. `usage`: the only extended key usage that it is for.
+  TlsFiles issue(const std::string& file, const std::string& names, int days = 2,
+                 const std::string& usage = "") const {
     run("req " + key(file) + " -new -subj /CN=" + file + " -out " + path(file + ".csr"));
-    std::ofstream(path(file + ".ext")) << "subjectAltName=" << names << "\n";
+    std::ofstream(path(file + ".ext")) << "subjectAltName=" << names << "\n"
+                                       << (usage.empty() ? "" : "extendedKeyUsage=" + usage + "\n");
     run("x509 -req -in " + path(file + ".csr") + " -CA " + path("ca.pem") + " -CAkey " +
-        path("ca.key") + " -set_serial 0x" + random_hex(8) + " -days 2 -extfile " +
-        path(file + ".ext") + " -out " + path(file + ".pem"));
+        path("ca.key") + " -set_serial 0x" + random_hex(8) + " -days " + std::to_string(days) +
+        " -extfile " + path(file + ".ext") + " -out " + path(file + ".pem"));
+    return {path("ca.pem"), path(file + ".pem"), path(file + ".key")};
+  }
+  /// Signed by itself, though this CA is what it trusts.
+  TlsFiles issue_to_itself(const std::string& file, const std::string& names) const {
+    run("req -x509 " + key(file) + " -days 2 -subj /CN=" + file +
+        " -addext subjectAltName=" + names + " -out " + path(file + ".pem"));
     return {path("ca.pem"), path(file + ".pem"), path(file + ".key")};
   }
   std::string path(const std::string& file) const { return (folder_ / file).string(); }
@@ -128,6 +137,31 @@ TEST_F(GrpcTls, RefusesAServerOfAnotherNameOrAuthority) {
   EXPECT_FALSE(connects(server.address(), with(misled, "renderd")));
 }
 
+TEST_F(GrpcTls, RefusesAServerThatHasExpiredSignedItselfOrIsNoServer) {
+  for (const TlsFiles& files :
+       {ours.issue("expired", "DNS:renderd", -1), ours.issue_to_itself("itself", "DNS:renderd"),
+        ours.issue("no-server", "DNS:renderd", 2, "clientAuth")}) {
+    const Server false_server(with(files));
+    EXPECT_FALSE(connects(false_server.address(), with(client_files, "renderd")))
+        << files.certificate;
+  }
+  const Server right(with(ours.issue("right", "DNS:renderd", 2, "serverAuth")));
+  EXPECT_TRUE(connects(right.address(), with(client_files, "renderd"), seconds(20)));
+}
+
+TEST_F(GrpcTls, ACertificateThatIsReplacedByAForeignOneIsNotTrustedAnyMore) {
+  ASSERT_TRUE(connects(server.address(), with(client_files, "renderd"), seconds(20)));
+  const TlsFiles foreign = others.issue("foreign", "DNS:renderd");
+  std::filesystem::rename(foreign.key, server_files.key);
+  std::filesystem::rename(foreign.certificate, server_files.certificate);
+  const auto until = std::chrono::steady_clock::now() + seconds(10 * kLookedAt);
+  bool trusted = true;
+  while (trusted && std::chrono::steady_clock::now() < until) {
+    trusted = connects(server.address(), with(client_files, "renderd"));
+  }
+  EXPECT_FALSE(trusted);
+}
+
 // With TLS 1.3 a client learns of the refusal only behind its own handshake, so it is asked over.
 bool is_answered(const std::string& address, const InnerTls& tls) {
   grpc::ChannelArguments arguments;
@@ -158,7 +192,8 @@ TEST_F(GrpcTls, ARenewedCertificateIsTakenUpByARunningServer) {
 }
 
 TEST(PlainAddress, IsForThisMachineAloneUnlessSomebodySaysSo) {
-  for (const char* here : {"127.0.0.1:1", "127.9.9.9", "localhost:80", "[::1]:80", "::1"}) {
+  for (const char* here : {"127.0.0.1:1", "127.9.9.9", "localhost:80", "[::1]:80", "::1",
+                           "unix:/run/diaphane/redis.sock"}) {
     EXPECT_TRUE(is_this_machine(here)) << here;
     EXPECT_TRUE(may_be_plain(here, {})) << here;
   }
@@ -284,6 +319,18 @@ TEST(TlsTunnel, IsNoneToAServerOfAnotherNameOrAuthority) {
   const auto refused = TlsTunnels(client).open("127.0.0.1", stranger.port(), seconds(20));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kUnavailable);
+}
+
+TEST(TlsTunnel, IsNoneToAServerThatHasExpiredSignedItselfOrIsNoServer) {
+  const Authority ours;
+  const TlsFiles client = ours.issue("client", "DNS:api");
+  for (const TlsFiles& files :
+       {ours.issue("expired", "IP:127.0.0.1", -1), ours.issue_to_itself("itself", "IP:127.0.0.1"),
+        ours.issue("no-server", "IP:127.0.0.1", 2, "clientAuth")}) {
+    const Echo false_server(files);
+    EXPECT_FALSE(TlsTunnels(client).open("127.0.0.1", false_server.port(), seconds(20)))
+        << files.certificate;
+  }
 }
 
 TEST(TlsTunnel, EndsWhereOurCertificateIsNotTaken) {

@@ -2,6 +2,8 @@
 
 #include <charconv>
 
+#include "common/connect.h"
+
 namespace diaphane::wire {
 namespace {
 
@@ -13,6 +15,13 @@ bool wants_tls(std::string_view address) { return address.starts_with(kWithTls);
 
 Result<RedisAddress> parse_redis_address(std::string_view text) {
   RedisAddress address;
+  if (address.path = unix_path(text); !address.path.empty()) {
+    if (address.path.front() != '/' || address.path.size() > kMostUnixPath) {
+      return fail(ErrorCode::kInvalid, "unix:PATH must be an absolute path of at most " +
+                                           std::to_string(kMostUnixPath) + " bytes");
+    }
+    return address;
+  }
   address.with_tls = wants_tls(text);
   if (address.with_tls) text.remove_prefix(kWithTls.size());
   const std::size_t colon = text.rfind(':');
@@ -24,7 +33,7 @@ Result<RedisAddress> parse_redis_address(std::string_view text) {
   }
   if (host.empty() || wrong != std::errc() || end != port.data() + port.size() ||
       address.port == 0) {
-    return fail(ErrorCode::kInvalid, "must be host:port, with a port from 1 to 65535");
+    return fail(ErrorCode::kInvalid, "must be unix:PATH, or host:port with a port from 1 to 65535");
   }
   address.host = host;
   return address;

@@ -26,9 +26,20 @@ TEST(RedisAddress, OfIpv6StandsInBracketsAndIsUsedWithoutThem) {
   EXPECT_EQ(parse_redis_address("rediss://[fd00::1]:6379")->host, "fd00::1");
 }
 
+TEST(RedisAddress, OfAUnixSocketIsAnAbsolutePathOfAtMost107Bytes) {
+  const auto socket = parse_redis_address("unix:/run/diaphane/redis.sock");
+  ASSERT_TRUE(socket);
+  EXPECT_EQ(socket->path, "/run/diaphane/redis.sock");
+  EXPECT_TRUE(socket->host.empty());
+  EXPECT_FALSE(socket->with_tls);
+  EXPECT_TRUE(parse_redis_address("unix:/" + std::string(106, 'x')));
+  EXPECT_FALSE(parse_redis_address("unix:/" + std::string(107, 'x')));
+  EXPECT_FALSE(parse_redis_address("unix:redis.sock"));
+}
+
 TEST(RedisAddress, WhatIsNoneIsRefused) {
   for (const char* wrong : {"", "host", ":1", "host:", "host:0", "host:65536", "host:1x", "host:-1",
-                            "rediss://", "rediss://host", "rediss://:1"}) {
+                            "unix:", "rediss://", "rediss://host", "rediss://:1"}) {
     EXPECT_FALSE(parse_redis_address(wrong)) << wrong;
   }
 }

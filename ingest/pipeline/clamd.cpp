@@ -5,7 +5,6 @@
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -57,23 +56,9 @@ std::optional<std::uint64_t> content_bytes(std::span<const char> header) {
   return octal(header.subspan(124, 12));
 }
 
-Fd connect_to_path(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path) {
-    errno = ENAMETOOLONG;
-    return Fd(-1);
-  }
-  std::memcpy(address.sun_path, path.data(), path.size());
-  Fd made(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (made && connect(made.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    return Fd(-1);
-  return made;
-}
-
 Fd connect_to(const std::string& address) {
   const bool path = address.starts_with('/') || address.find(':') == std::string::npos;
-  return path ? connect_to_path(address) : connect_tcp(address, kConnecting);
+  return path ? connect_unix(address) : connect_tcp(address, kConnecting);
 }
 
 enum class Step { kDone, kStopped, kSilent, kBroken };

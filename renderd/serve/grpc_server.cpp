@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "api/proto/worker.grpc.pb.h"
+#include "common/connect.h"
 #include "common/log.h"
 #include "common/wire/grpc_credentials.h"
 #include "renderd/serve/assist_reactor.h"
@@ -23,6 +24,8 @@ using std::chrono::steady_clock;
 // reads.
 constexpr std::size_t kMostQueued = 64;
 constexpr std::chrono::seconds kFlushTime{2};
+// For TLS and the beginning of HTTP/2 together.
+constexpr int kHandshakeMs = 10'000;
 
 struct StatusName {
   grpc::StatusCode code;
@@ -298,16 +301,23 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::start(Options options, SessionHo
   // A gateway that vanished without a word is noticed within 15 s.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
+  // gRPC's own limit is two minutes, for which whoever reaches the port could hold a descriptor.
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
   // Gateways ask each 5 s whether the worker lives, workers that are assisted each 10 s, however
   // little there is to say.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 2'000);
-  builder.AddListeningPort(options.address + ":" + std::to_string(options.port),
-                           wire::server_credentials(options.tls), &impl->port);
+  const std::string path = unix_path(options.address);
+  // gRPC would take a socket from whoever listens on it.
+  if (!path.empty() && connect_unix(path)) {
+    return fail(ErrorCode::kUnavailable, "another program listens on " + path);
+  }
+  const std::string address =
+      path.empty() ? options.address + ":" + std::to_string(options.port) : options.address;
+  builder.AddListeningPort(address, wire::server_credentials(options.tls), &impl->port);
   builder.RegisterService(&impl->service);
   impl->server = builder.BuildAndStart();
   if (!impl->server || impl->port == 0) {
-    return fail(ErrorCode::kUnavailable,
-                "the gRPC port " + std::to_string(options.port) + " cannot be opened");
+    return fail(ErrorCode::kUnavailable, "the gRPC address " + address + " cannot be opened");
   }
   return std::unique_ptr<GrpcServer>(new GrpcServer(std::move(impl)));
 }

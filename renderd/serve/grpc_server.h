@@ -18,14 +18,14 @@ namespace diaphane::render {
 class GrpcServer {
  public:
   struct Options {
-    std::string address = "127.0.0.1";
-    std::uint16_t port = 0;  ///< 0: a free one
-    int most_streams = 256;  ///< concurrent calls on one connection
+    std::string address = "127.0.0.1";  ///< or unix:/path, which has no port
+    std::uint16_t port = 0;             ///< 0: a free one
+    int most_streams = 256;             ///< concurrent calls on one connection
     int most_message_bytes = 1 << 20;
     wire::InnerTls tls{};  ///< on: who has no certificate of the CA is refused
   };
 
-  /// kUnavailable when the port is taken. Without `assists` nobody is assisted.
+  /// kUnavailable when the port, or the socket, is taken. Without `assists` nobody is assisted.
   static Result<std::unique_ptr<GrpcServer>> start(Options options, SessionHost& host,
                                                    StillService& stills, Metrics& metrics,
                                                    AssistHost* assists = nullptr);

@@ -44,6 +44,8 @@ struct RedisClient::Impl {
         return fail(ErrorCode::kUnavailable, "Redis does not answer.");
       }
       context.reset(redisConnectFd(*local));
+    } else if (!address.path.empty()) {
+      context.reset(redisConnectUnixWithTimeout(address.path.c_str(), kConnectTimeout));
     } else {
       context.reset(redisConnectWithTimeout(address.host.c_str(), address.port, kConnectTimeout));
     }

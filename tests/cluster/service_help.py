@@ -18,8 +18,22 @@ from harness import mails_in
 NAME = "it-diaphane"
 
 
+def reach(place: tuple[str, int] | Path) -> socket.socket:
+    """A host and port, or a Unix socket."""
+    if not isinstance(place, Path):
+        return socket.create_connection(place, timeout=5)
+    made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    made.settimeout(5)
+    try:
+        made.connect(str(place))
+    except OSError:
+        made.close()
+        raise
+    return made
+
+
 class Front:
-    """A Service's way to its pods: each connection goes to one that is ready now."""
+    """A Service's way to its pods: each connection goes to one that is ready now. Or the way of pods to a store."""
 
     def __init__(self, pick, at: tuple[str, int] = ("127.0.0.1", 0)):
         self.pick = pick
@@ -37,7 +51,7 @@ class Front:
 
     def _carry(self, one: socket.socket) -> None:
         try:
-            other = socket.create_connection(self.pick(), timeout=5)
+            other = reach(self.pick())
         except (OSError, LookupError):
             one.close()
             return
@@ -69,7 +83,8 @@ class Service:
         self.front = Front(self._edge)
         self.url = f"http://localhost:{self.front.port}"
         self.psql, self.redis, self.wait_until = stores.psql, stores.redis, stores.wait_until
-        self.dsn, self.redis_address = stores.dsn, f"127.0.0.1:{stores.ports['redis']}"
+        self.redis_way = Front(lambda: stores.stack.settings.socket("redis"))
+        self.dsn, self.redis_address = stores.dsn, f"127.0.0.1:{self.redis_way.port}"
         self.claims = {name: folder / "claims" / name for name in ("volumes", "uploads", "cache")}
 
     def _edge(self) -> tuple[str, int]:
@@ -100,6 +115,7 @@ class Service:
     def uninstall(self) -> None:
         self.plane.helm("uninstall", "it", "-n", self.namespace, "--wait", "--timeout", "180s", check=False)
         self.front.close()
+        self.redis_way.close()
 
     def _mail_folder(self) -> Path:
         return self.claims["cache"] / "mail"

@@ -30,7 +30,8 @@ class WholeNode(Service):
     """The pods are kubelet's; the stores are reached at the node's address."""
 
     def __init__(self, plane: Plane, stores, folder: Path):
-        self.ways = {name: Front(lambda port=stores.ports[name]: ("127.0.0.1", port), (ADDRESS, 0)) for name in ("postgres", "redis")}
+        self.ways = {"postgres": Front(lambda: ("127.0.0.1", stores.ports["postgres"]), (ADDRESS, 0)),
+                     "redis": Front(lambda: stores.stack.settings.socket("redis"), (ADDRESS, 0))}
         super().__init__(plane, NAMESPACE, [], stores, folder)
         self.dsn = stores.dsn.replace(f"127.0.0.1:{stores.ports['postgres']}", f"{ADDRESS}:{self.ways['postgres'].port}")
         self.redis_address = f"{ADDRESS}:{self.ways['redis'].port}"

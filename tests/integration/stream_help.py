@@ -75,10 +75,10 @@ def free_port() -> int:
 class OtherWorker:
     """A renderd beside the stack's own, on its volumes. Without `redis` it has no sessions: no Redis is where it looks for one."""
 
-    def __init__(self, stack: TestStack, name: str, *options: str, redis: int | None = None):
+    def __init__(self, stack: TestStack, name: str, *options: str, redis: str | None = None):
         self.stack, self.port, self.admin_port, self.process = stack, free_port(), free_port(), None
         self.log = stack.data_dir / "logs" / f"{name}.log"
-        self.argv = [str(stack.stack.layout.bin / "diaphane-renderd"), f"--worker-id={name}", f"--redis=127.0.0.1:{redis or free_port()}",
+        self.argv = [str(stack.stack.layout.bin / "diaphane-renderd"), f"--worker-id={name}", f"--redis={redis or f'127.0.0.1:{free_port()}'}",
                      f"--grpc-port={self.port}", f"--advertise=127.0.0.1:{self.port}", f"--admin-port={self.admin_port}", "--engine=cpu",
                      "--threads=1", f"--volume-dir={stack.data_dir / 'volumes'}", *options]
 

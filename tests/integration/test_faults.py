@@ -83,9 +83,8 @@ def test_sixteen_sessions_come_back_with_their_scenes_after_kill_9(stack_factory
 
 def test_a_second_worker_of_a_name_is_refused_and_the_first_goes_on(running, unharmed):
     program = running.stack.running_["renderd"].program
-    free = ports.random_free()
-    grpc, admin = free["grpc"], free["renderd-admin"]
-    env = {**program.env, "DIAPHANE_GRPC_PORT": str(grpc), "DIAPHANE_ADVERTISE": f"127.0.0.1:{grpc}",
+    grpc, admin = list(ports.random_free().values())[:2]
+    env = {**program.env, "DIAPHANE_GRPC_ADDRESS": "127.0.0.1", "DIAPHANE_GRPC_PORT": str(grpc), "DIAPHANE_ADVERTISE": f"127.0.0.1:{grpc}",
            "DIAPHANE_ADMIN_PORT": str(admin)}
     second = subprocess.Popen(program.argv, env=env, stderr=subprocess.PIPE, text=True)
     incarnations, key = set(), "diaphane:worker:local"
@@ -96,7 +95,7 @@ def test_a_second_worker_of_a_name_is_refused_and_the_first_goes_on(running, unh
             time.sleep(0.1)
         assert second.wait(1) == 78
         said = second.stderr.read()
-        assert "another renderd of this name lives at 127.0.0.1:" in said, said
+        assert f"another renderd of this name lives at unix:{running.stack.settings.socket('renderd')}" in said, said
         assert len(incarnations) == 1, "the name went to and fro"
     finally:
         if second.poll() is None:

@@ -16,7 +16,7 @@ def test_a_neighbour_helps_while_it_idles_and_is_given_back_when_somebody_comes_
     somebody = person(stack)
     ball = store_ball(stack, somebody)
     looking = [Viewer(stack.url, open_session(somebody, ball)[1], side=256) for _ in range(2)]
-    neighbour = OtherWorker(stack, "neighbour", "--max-error=0.0002", redis=stack.ports["redis"])
+    neighbour = OtherWorker(stack, "neighbour", "--max-error=0.0002", redis=stack.redis_address)
 
     def moves(*viewers, until):
         """All of them move, so that their device is asked for more than it has, until it is so."""

@@ -185,7 +185,7 @@ class SecondWorker:
         grpc, admin = list(ports.random_free().values())[:2]
         self.id = worker_id
         self.process = subprocess.Popen([
-            build / "bin" / "diaphane-renderd", "--worker-id", worker_id, "--redis", f"127.0.0.1:{stack.ports['redis']}",
+            build / "bin" / "diaphane-renderd", "--worker-id", worker_id, "--redis", stack.redis_address,
             "--grpc-port", str(grpc), "--advertise", f"127.0.0.1:{grpc}", "--admin-port", str(admin),
             "--volume-dir", stack.data_dir / "volumes", "--engine", "cpu", "--threads", "1", "--slots", "8"],
             stderr=subprocess.DEVNULL)

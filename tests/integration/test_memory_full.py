@@ -20,7 +20,7 @@ def two_workers(stack_factory):
     made = []
 
     def start_second() -> OtherWorker:
-        worker = OtherWorker(stack, "second", "--slots=4", "--volume-memory-mb=50", redis=stack.ports["redis"])
+        worker = OtherWorker(stack, "second", "--slots=4", "--volume-memory-mb=50", redis=stack.redis_address)
         made.append(worker)
         worker.start()
         stack.wait_until(lambda: stack.redis.exists("diaphane:worker:second"), what="the second worker")

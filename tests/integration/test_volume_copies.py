@@ -49,7 +49,7 @@ def test_a_worker_that_begins_reads_the_copy_and_a_damaged_one_is_made_again(nod
     stack.wait_until(lambda: counted(admin, "kept") == 1 and counted(admin, "miss") == 1, what="the count")
 
     # Another renderd of this node finds the copy of the first.
-    second = OtherWorker(stack, "second", f"--volume-copies-dir={folder}", redis=stack.ports["redis"])
+    second = OtherWorker(stack, "second", f"--volume-copies-dir={folder}", redis=stack.redis_address)
     own_admin = int(next(word for word in second.argv if word.startswith("--admin-port=")).partition("=")[2])
     second.start()
     try:
@@ -103,7 +103,7 @@ def test_without_a_folder_to_write_to_all_goes_on(node, stack_house):
     data_set = store_ball(stack, somebody)
     closed = stack_house.folder() / "closed"
     closed.mkdir(mode=0o555)
-    other = OtherWorker(stack, "closed", f"--volume-copies-dir={closed}", redis=stack.ports["redis"])
+    other = OtherWorker(stack, "closed", f"--volume-copies-dir={closed}", redis=stack.redis_address)
     stack.stop("renderd")
     other.start()
     try:

@@ -7,6 +7,8 @@ import json
 import os
 import re
 import secrets
+import stat
+import tempfile
 from pathlib import Path
 
 from . import processes, users
@@ -93,6 +95,37 @@ def recorded(entry: dict) -> Identity | None:
     except (KeyError, TypeError, ValueError):
         return None
     return identity if identity.alive() else None
+
+
+#: The longest path of a Unix socket (sockaddr_un), and the longest name of those in a data directory.
+MOST_SOCKET_PATH, LONGEST_SOCKET = 107, "renderd.sock"
+
+
+def socket_folder(data: Path, run_as: RunAs) -> Path:
+    """Where Unix sockets lie: run/ of the data directory, or, where their paths would be too long for a socket, a private folder
+    below /run/user or /tmp. Nobody else can enter it."""
+    uid = run_as.uid if run_as.uid >= 0 else os.geteuid()
+    own = data / "run"
+    if len(str(own / LONGEST_SOCKET)) <= MOST_SOCKET_PATH:
+        if not is_private(own, uid):
+            raise HouseError(f"{own} must be open to its owner alone: chmod 700 {own}")
+        return own
+    earlier = read_record(data).get("sockets")
+    if isinstance(earlier, str) and is_private(Path(earlier), uid):
+        return Path(earlier)
+    runtime = Path(f"/run/user/{uid}")
+    made = Path(tempfile.mkdtemp(prefix="diaphane-", dir=runtime if is_private(runtime, uid) else "/tmp"))
+    run_as.own(made)
+    return made
+
+
+def is_private(folder: Path, uid: int) -> bool:
+    """A directory, no link to one, of that user, that nobody else can enter."""
+    try:
+        about = folder.lstat()
+    except OSError:
+        return False
+    return stat.S_ISDIR(about.st_mode) and about.st_uid == uid and about.st_mode & 0o077 == 0
 
 
 def left_running(record: dict) -> list[tuple[str, Identity]]:

@@ -22,7 +22,7 @@ PASSED_ON = ("PATH", "LANG", "TZ", "LD_LIBRARY_PATH", "CUDA_VISIBLE_DEVICES", "N
 
 @dataclass(frozen=True)
 class Ready:
-    """How to see that a program is ready: `http` (GET path, 200), `answers` (any HTTP answer), `postgres`, `redis`."""
+    """How to see that a program is ready: `http` (GET path, 200), `answers` (any HTTP answer), `postgres`, `redis` (its socket: path)."""
 
     kind: str
     port: int
@@ -34,7 +34,7 @@ class Program:
     name: str
     argv: tuple[str, ...]
     ready: Ready
-    port: int
+    port: int                       # 0: it is reached at a Unix socket
     tier: int                       # started in rising order, stopped in falling order
     env: Mapping[str, str] = field(default_factory=dict)
     stop_signal: int = signal.SIGTERM
@@ -51,6 +51,7 @@ class Settings:
     ports: Mapping[str, int]
     layout: Layout
     postgres_password: str
+    sockets: Path | None = None     # where Unix sockets lie; none: in the data directory's run/
     engine: str = "auto"
     durable: bool = True            # false: tests may lose data when the machine (not a program) dies
     extra_env: Mapping[str, str] = field(default_factory=dict)
@@ -66,6 +67,14 @@ class Settings:
     @property
     def dsn(self) -> str:
         return f"postgresql://diaphane:{self.postgres_password}@127.0.0.1:{self.ports['postgres']}/diaphane"
+
+    def socket(self, name: str) -> Path:
+        """Of Redis, of renderd: files in a folder of mode 0700, so that other users of the machine reach neither."""
+        return (self.sockets or self.data / "run") / f"{name}.sock"
+
+    @property
+    def redis(self) -> str:
+        return f"unix:{self.socket('redis')}"
 
     @property
     def socket_dir(self) -> str:
@@ -108,11 +117,11 @@ def _postgres(s: Settings) -> Program:
 
 
 def _redis(s: Settings) -> Program:
-    argv = ("/usr/bin/redis-server", "--port", str(s.ports["redis"]), "--bind", "127.0.0.1",
+    argv = ("/usr/bin/redis-server", "--port", "0", "--unixsocket", str(s.socket("redis")), "--unixsocketperm", "600",
             "--dir", str(s.data / "redis"), "--appendonly", "yes", "--save", "", "--daemonize", "no",
             "--maxmemory", "256mb", "--maxmemory-policy", "noeviction")
-    return Program(name="redis", argv=argv, env=_inherited(s), port=s.ports["redis"], tier=0,
-                   ready=Ready("redis", s.ports["redis"]), requires=(Path(argv[0]),), stop_seconds=1.3)
+    return Program(name="redis", argv=argv, env=_inherited(s), port=0, tier=0,
+                   ready=Ready("redis", 0, str(s.socket("redis"))), requires=(Path(argv[0]),), stop_seconds=1.3)
 
 
 def _api(s: Settings) -> Program:
@@ -120,7 +129,7 @@ def _api(s: Settings) -> Program:
     return Program(
         name="api", argv=(str(binary),), port=s.ports["api"], tier=1, requires=(binary,),
         ready=Ready("http", s.ports["api-admin"]),
-        env=_own(s, postgres=s.dsn, redis=f"127.0.0.1:{s.ports['redis']}", api_port=s.ports["api"],
+        env=_own(s, postgres=s.dsn, redis=s.redis, api_port=s.ports["api"],
                  admin_port=s.ports["api-admin"], public_url=s.url,
                  upload_dir=s.data / "uploads", volume_dir=s.data / "volumes", cache_dir=s.data / "cache",
                  mail=f"file:{s.data / 'mail'}", mail_from="Diaphane <diaphane@localhost>",
@@ -132,7 +141,7 @@ def _gateway(s: Settings) -> Program:
     return Program(
         name="gateway", argv=(str(binary),), port=s.ports["stream"], tier=1, requires=(binary,),
         ready=Ready("http", s.ports["gateway-admin"]),
-        env=_own(s, redis=f"127.0.0.1:{s.ports['redis']}", stream_port=s.ports["stream"],
+        env=_own(s, redis=s.redis, stream_port=s.ports["stream"],
                  admin_port=s.ports["gateway-admin"], public_url=s.url))
 
 
@@ -154,10 +163,10 @@ def _ingestd(s: Settings) -> Program:
 def _renderd(s: Settings) -> Program:
     binary = s.layout.bin / "diaphane-renderd"
     return Program(
-        name="renderd", argv=(str(binary),), port=s.ports["grpc"], tier=1, requires=(binary,),
+        name="renderd", argv=(str(binary),), port=0, tier=1, requires=(binary,),
         ready=Ready("http", s.ports["renderd-admin"]),
-        env=_own(s, worker_id="local", redis=f"127.0.0.1:{s.ports['redis']}", grpc_port=s.ports["grpc"],
-                 advertise=f"127.0.0.1:{s.ports['grpc']}", admin_port=s.ports["renderd-admin"],
+        env=_own(s, worker_id="local", redis=s.redis, grpc_address=f"unix:{s.socket('renderd')}",
+                 advertise=f"unix:{s.socket('renderd')}", admin_port=s.ports["renderd-admin"],
                  volume_dir=s.data / "volumes", engine=s.engine))
 
 

@@ -6,14 +6,13 @@ import random
 import socket
 from typing import Iterable
 
-#: Default ports of one machine (docs/contracts.md), in the order in which they are handed out.
+#: Default ports of one machine (docs/contracts.md), in the order in which they are handed out. Redis and renderd have none: their
+#: sockets are files that nobody else can reach.
 DEFAULTS = {
     "edge": 8080,
     "api": 8081,
     "stream": 8082,
     "postgres": 8083,
-    "redis": 8084,
-    "grpc": 8085,
     "api-admin": 8091,
     "ingestd-admin": 8092,
     "renderd-admin": 8093,

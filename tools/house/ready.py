@@ -26,9 +26,11 @@ def readyz(port: int) -> dict:
         return {}
 
 
-def redis_command(port: int, *words: str) -> bytes:
+def redis_command(path: str, *words: str) -> bytes:
     """The raw answer (RESP) to one small command."""
-    with socket.create_connection(("127.0.0.1", port), timeout=1.0) as connection:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as connection:
+        connection.settimeout(1.0)
+        connection.connect(path)
         parts = [f"${len(w.encode())}\r\n{w}\r\n" for w in words]
         connection.sendall(f"*{len(words)}\r\n{''.join(parts)}".encode())
         return connection.recv(65536)
@@ -58,7 +60,7 @@ def _postgres(probe: Ready) -> bool:
 
 
 def _redis(probe: Ready) -> bool:
-    return redis_command(probe.port, "PING").startswith(b"+PONG")
+    return redis_command(probe.path, "PING").startswith(b"+PONG")
 
 
 _PROBES = {"http": _http, "answers": _answers, "postgres": _postgres, "redis": _redis}

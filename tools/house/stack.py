@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import threading
@@ -119,6 +120,8 @@ class Stack:
             self._stop_tier([e for e in entries if e.program.tier == tier])
         if entries:
             self._record()
+        if self.settings and self.settings.sockets and self.settings.sockets != self.data / "run":
+            shutil.rmtree(self.settings.sockets, ignore_errors=True)
         if self.lock_:
             self.lock_.drop()
             self.lock_ = None
@@ -198,7 +201,8 @@ class Stack:
             datadir.secret(self.data, name, self.run_as)
         self.settings = Settings(
             data=self.data, ports=self.ports, layout=self.layout, engine=self.engine, durable=self.durable,
-            postgres_password=datadir.secret(self.data, "postgres", self.run_as), extra_env=self.extra_env)
+            postgres_password=datadir.secret(self.data, "postgres", self.run_as), extra_env=self.extra_env,
+            sockets=datadir.socket_folder(self.data, self.run_as))
         template = self.layout.edge / "nginx.conf.in"
         if template.exists():
             conf = self.data / "run" / "nginx.conf"
@@ -323,6 +327,7 @@ class Stack:
             datadir.write_record(self.data, {
                 "version": 1, "boot": boot(), "url": self.settings.url if self.settings else "", "ready": self.serving,
                 "supervisor": {"pid": me.pid, "start": me.start}, "ports": dict(self.ports),
+                "sockets": str(self.settings.sockets) if self.settings and self.settings.sockets else None,
                 "mail": str(self.data / "mail"), "programs": programs})
 
 

@@ -19,7 +19,8 @@ def status(data: Path) -> dict:
     entries = {entry.get("name"): entry for entry in record.get("programs", [])}
     probes = {}
     if record.get("ports"):
-        settings = Settings(data=data, ports=record["ports"], layout=of_checkout(), postgres_password="")
+        settings = Settings(data=data, ports=record["ports"], layout=of_checkout(), postgres_password="",
+                            sockets=Path(record["sockets"]) if record.get("sockets") else None)
         probes = {program.name: program.ready for program in plan.programs(settings)}
     programs = []
     for name in NAMES:

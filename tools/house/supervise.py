@@ -64,9 +64,8 @@ def _ports(options: UpOptions) -> dict[str, int]:
     if options.port is not None:
         wanted["edge"] = options.port
     # Ports of a supervisor that was killed are no longer taken once what it left behind is ended.
-    ours = {p for e in datadir.read_record(options.data).get("programs", []) if datadir.recorded(e)
-            for p in (e.get("port"), e.get("admin_port"))}
-    ours |= set(datadir.read_record(options.data).get("ports", {}).values()) if ours else set()
+    record = datadir.read_record(options.data)
+    ours = set(record.get("ports", {}).values()) if datadir.left_running(record) else set()
     given, notes = ports.allot(wanted, lambda port: (port in ours or ports.is_free(port)) and ports.claim(port))
     for note in notes:
         say(note)

@@ -64,7 +64,7 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
 
 
 def _people(stack, data_set: str, seconds: float, scale: float, options: argparse.Namespace) -> subprocess.Popen:
-    words = ["--redis", f"127.0.0.1:{stack.ports['redis']}", "--stream-port", stack.ports["stream"],
+    words = ["--redis", stack.settings.redis, "--stream-port", stack.ports["stream"],
              "--public-url", stack.settings.url, "--data-set", data_set, "--people", options.people, "--seconds", seconds,
              "--act-seconds", 1 if seconds < 120 else 4, "--scale", scale, "--seed", options.seed, "--codec", options.codec]
     return subprocess.Popen([str(paths.build_dir() / "bin" / "diaphane-load"), "soak", *map(str, words)],

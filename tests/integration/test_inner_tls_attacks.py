@@ -1,0 +1,216 @@
+"""TLS between our programs under attack: nobody without a right certificate is served, and a stream goes on meanwhile."""
+
+from __future__ import annotations
+
+import os
+import socket
+import ssl
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from api_client import person
+from certificates import issue, issue_another
+from stream_help import PROGRAMS, Viewer, free_port, open_session, store_ball
+from test_gateway_process import Watcher
+from test_inner_tls import by_port, ours, redis_port, settings  # noqa: F401
+
+#: What a client of HTTP/2 begins with; a gRPC server answers with its own settings, a frame of type 4.
+PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0"
+#: renderd ends a handshake that takes longer (kHandshakeMs in renderd/serve/grpc_server.cpp).
+HANDSHAKE_S = 10
+
+
+def context(folder: Path, own: tuple[str, str] | None, minimum=ssl.TLSVersion.TLSv1_2, maximum=ssl.TLSVersion.TLSv1_3, ciphers: str = "") -> ssl.SSLContext:
+    made = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    made.check_hostname = False
+    made.load_verify_locations(folder / "ca.pem")
+    made.set_ciphers(ciphers or "DEFAULT")
+    made.minimum_version, made.maximum_version = minimum, maximum
+    made.set_alpn_protocols(["h2"])
+    if own:
+        made.load_cert_chain(*own)
+    return made
+
+
+def served(port: int, by: ssl.SSLContext | None, hello: bytes, answer: bytes) -> bool:
+    """Whether `hello` is answered as a server of ours would."""
+    try:
+        with socket.create_connection(("127.0.0.1", port), timeout=20) as plain:
+            inside = by.wrap_socket(plain, server_hostname="127.0.0.1") if by else plain
+            inside.sendall(hello)
+            got = b""
+            while len(got) < 9 and (part := inside.recv(100)):
+                got += part
+            return answer in got[:9]
+    except OSError:
+        return False
+
+
+def attackers(folder: Path, foreign: Path) -> dict[str, ssl.SSLContext | None]:
+    """Clients that must not be served."""
+    own = (str(folder / "own.pem"), str(folder / "own.key"))
+    old = ssl.TLSVersion.TLSv1_1
+    return {
+        "without TLS": None,
+        "without a certificate": context(folder, None),
+        "of another authority": context(folder, (str(foreign / "own.pem"), str(foreign / "own.key"))),
+        "signed by itself": context(folder, issue_another(folder, "itself", signed=False)),
+        "expired": context(folder, issue_another(folder, "expired", days=-1)),
+        "with a server's certificate": context(folder, issue_another(folder, "server", usage="serverAuth")),
+        "with TLS 1.1": context(folder, own, old, old, "ALL:@SECLEVEL=0"),
+        "with a cipher that ciphers nothing": context(folder, own, maximum=ssl.TLSVersion.TLSv1_2, ciphers="NULL:@SECLEVEL=0"),
+    }
+
+
+#: What is sent instead of a handshake, and then nothing more.
+NO_HANDSHAKES = {
+    "nothing": b"",
+    "noise": bytes((i * 7919 + 13) % 256 for i in range(50_000)),
+    "half a hello": b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + b"\0" * 40,
+    "a record longer than any": b"\x16\x03\x01\xff\xff" + b"\x01" * 70_000,
+    "a hello that claims 16 MB": b"\x16\x03\x01\x40\x00\x01\xff\xff\xff" + b"\0" * 16_380,
+    "an alert": b"\x15\x03\x03\x00\x02\x02\x28",
+    "data before any handshake": b"\x17\x03\x03\x00\x10" + b"\0" * 16,
+}
+
+
+@pytest.fixture
+def foreign(stack_house) -> Path:
+    folder = stack_house.folder()
+    issue(folder)
+    return folder
+
+
+@pytest.fixture
+def tls_stack(stack_factory, ours, redis_port):  # noqa: F811
+    """A stack that talks TLS inside, and a stream in it that goes on: stack, port of renderd, until_pictures()."""
+    grpc = free_port()
+    stack = stack_factory(only=PROGRAMS, extra_env={"DIAPHANE_REDIS": f"rediss://127.0.0.1:{redis_port}", **settings(ours), **by_port(grpc)})
+    who = person(stack)
+    viewer = Viewer(stack.url, open_session(who, store_ball(stack, who, 24))[1], side=32)
+    viewer.frame(timeout=60)
+    pids = dict(stack.pids)
+    watcher = Watcher(viewer)
+    watcher.start()
+
+    def until_pictures() -> None:
+        mark = watcher.turns + 3
+        stack.wait_until(lambda: watcher.fault or watcher.turns >= mark, 60, "pictures")
+        assert watcher.fault is None, watcher.fault
+
+    until_pictures()
+    yield stack, grpc, until_pictures
+    watcher.finish()
+    assert dict(stack.pids) == pids, "a program ended"
+
+
+def test_attacks_on_renderd_and_redis_are_refused_and_a_stream_goes_on(tls_stack, ours, redis_port, foreign):  # noqa: F811
+    stack, grpc, until_pictures = tls_stack
+    right = context(ours, (str(ours / "own.pem"), str(ours / "own.key")))
+    doors = {"renderd": (grpc, PREFACE, b"\4"), "redis": (redis_port, b"PING\r\n", b"+PONG")}
+    for name, (port, hello, answer) in doors.items():
+        assert served(port, right, hello, answer), f"{name} serves who has a right certificate"
+        for who, by in attackers(ours, foreign).items():
+            assert not served(port, by, hello, answer), f"{name} served a client {who}"
+    until_pictures()
+
+    # A TLS 1.2 client that has a right certificate asks to begin anew: refused, and the connection ends.
+    asked = subprocess.run(["openssl", "s_client", "-connect", f"127.0.0.1:{grpc}", "-tls1_2", "-alpn", "h2", "-CAfile", str(ours / "ca.pem"),
+                            "-cert", str(ours / "own.pem"), "-key", str(ours / "own.key")], input=b"R\n", capture_output=True, timeout=60)
+    assert b"RENEGOTIATING" in asked.stdout and asked.returncode != 0, "a renegotiation was taken"
+    until_pictures()
+
+    # All at once, and many that say nothing more: nobody waits for them, and they are ended.
+    begun = time.monotonic()
+    held = [socket.create_connection(("127.0.0.1", grpc), timeout=5) for _ in range(40) for _ in NO_HANDSHAKES]
+    for one, data in zip(held, list(NO_HANDSHAKES.values()) * 40):
+        try:
+            one.sendall(data)
+        except OSError:
+            pass            # refused already
+    until_pictures()
+    assert served(grpc, right, *doors["renderd"][1:]), "another client is served meanwhile"
+    for one in held:
+        one.settimeout(max(0.1, begun + 3 * HANDSHAKE_S - time.monotonic()))
+        try:
+            while one.recv(4096):
+                pass
+        except ConnectionResetError:
+            pass            # ended, too
+        one.close()
+    until_pictures()
+
+
+def test_a_handshake_of_a_byte_now_and_then_is_ended_too(tls_stack):
+    _, grpc, until_pictures = tls_stack
+    begun = time.monotonic()
+    with socket.create_connection(("127.0.0.1", grpc), timeout=1) as slow:
+        try:
+            for byte in b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + b"\0" * 100:
+                slow.send(bytes([byte]))
+                time.sleep(0.4)
+                if time.monotonic() - begun > 3 * HANDSHAKE_S:
+                    pytest.fail("it was let go on")
+        except OSError:
+            pass
+    until_pictures()
+
+
+# Postgres, whose client we are
+
+class FalsePostgres(threading.Thread):
+    """Answers the wish for TLS with `answer`, then shakes hands with that certificate; what a client said inside is in `heard`."""
+
+    def __init__(self, own: tuple[str, str] | None, answer: bytes = b"S"):
+        super().__init__(daemon=True)
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self.listener.getsockname()[1]
+        self.own, self.answer, self.heard = own, answer, b""
+        self.start()
+
+    def run(self) -> None:
+        while True:
+            try:
+                plain, _ = self.listener.accept()
+            except OSError:
+                return
+            try:
+                with plain:
+                    plain.settimeout(10)
+                    assert plain.recv(8) == b"\0\0\0\x08\x04\xd2\x16\x2f", "no wish for TLS"
+                    plain.sendall(self.answer)
+                    inside = plain
+                    if self.own and self.answer == b"S":
+                        by = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+                        by.load_cert_chain(*self.own)
+                        inside = by.wrap_socket(plain, server_side=True)
+                    self.heard += inside.recv(1000)
+            except (OSError, AssertionError):
+                pass
+
+
+def test_a_false_postgres_is_told_neither_a_name_nor_a_password(stack_house, ours, foreign):  # noqa: F811
+    layout = stack_house.layout()
+
+    def asked(server: FalsePostgres) -> bytes:
+        url = f"postgresql://diaphane:s3cret@127.0.0.1:{server.port}/diaphane?sslmode=verify-full&sslrootcert={ours / 'ca.pem'}"
+        done = subprocess.run([str(layout.bin / "diaphane-api"), "migrate", "up", "--migrations", str(layout.migrations)],
+                              env={**os.environ, "DIAPHANE_POSTGRES": url}, capture_output=True, text=True, timeout=60)
+        server.listener.close()
+        assert done.returncode == 69 and "s3cret" not in done.stderr, done.stderr
+        return server.heard
+
+    assert b"diaphane" in asked(FalsePostgres(issue_another(ours, "right"))), "one that has a right certificate is told who we are"
+    false = {
+        "that has no TLS": FalsePostgres(None, b"N"),
+        "of another authority": FalsePostgres((str(foreign / "own.pem"), str(foreign / "own.key"))),
+        "that signed itself": FalsePostgres(issue_another(ours, "itself", signed=False)),
+        "of another name": FalsePostgres(issue_another(ours, "other", names="DNS:elsewhere")),
+        "that has expired": FalsePostgres(issue_another(ours, "expired", days=-1)),
+        "with a client's certificate": FalsePostgres(issue_another(ours, "client", usage="clientAuth")),
+    }
+    for what, server in false.items():
+        assert asked(server) == b"", f"a server {what} was spoken to"
