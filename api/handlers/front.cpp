@@ -30,6 +30,19 @@ bool is_safe(const std::string& method) {
   return method == "GET" || method == "HEAD" || method == "OPTIONS";
 }
 
+/// Of a request that was admitted, so that it is a number or absent.
+std::int64_t announced_bytes(const Request& request) {
+  std::int64_t length = 0;
+  const std::string_view text = request.header("content-length");
+  std::from_chars(text.data(), text.data() + text.size(), length);
+  return length;
+}
+
+std::int64_t body_limit_of(const Route& route) {
+  return route.access == Access::kAnyone ? std::min(route.body_limit, kAnyoneBodyBytes)
+                                         : route.body_limit;
+}
+
 bool is_header_text(const std::string& text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
 }
@@ -47,6 +60,16 @@ void Front::add(std::vector<Route> routes) {
 }
 
 Front::Admission Front::admit(Head head) const {
+  if (head.target != kBodyGate) return admit_request(std::move(head));
+  head.method = head.header("x-original-method");
+  head.target = head.header("x-original-target");
+  head.headers["content-length"] = head.header("x-original-length");
+  Admission admission = admit_request(std::move(head));
+  if (auto* admitted = std::get_if<Admitted>(&admission)) admitted->asks_for_body = true;
+  return admission;
+}
+
+Front::Admission Front::admit_request(Head head) const {
   Request request;
   static_cast<Head&>(request) = std::move(head);
   request.request_id = request_id_of(request);
@@ -107,15 +130,15 @@ Front::Admission Front::admit(Head head) const {
     if (error != std::errc() || end != text.data() + text.size() || length < 0) {
       return refusal({ProblemKind::kBadRequest, "Content-Length is no number.", {}, {}}, request);
     }
-    if (length > chosen->body_limit) {
+    if (const std::int64_t limit = body_limit_of(*chosen); length > limit) {
       return refusal({ProblemKind::kBodyTooLarge,
-                      "The body has at most " + std::to_string(chosen->body_limit) + " bytes here.",
+                      "The body has at most " + std::to_string(limit) + " bytes here.",
                       {},
                       {}},
                      request);
     }
   }
-  return Admitted{chosen, std::move(request)};
+  return Admitted{chosen, std::move(request), false};
 }
 
 Outcome<void> Front::check_origin(const Request& request) const {
@@ -124,7 +147,8 @@ Outcome<void> Front::check_origin(const Request& request) const {
   return refuse(ProblemKind::kOrigin, "Requests from other pages are refused.");
 }
 
-Outcome<Principal> Front::identify(const Route& route, const Request& request) const {
+Outcome<Principal> Front::identify(const Route& route, const Request& request,
+                                   Accounts::Renewal renewal) const {
   if (auto same = check_origin(request); !same) return tl::unexpected(same.error());
   if (route.access == Access::kAnyone) return Principal{};
 
@@ -141,7 +165,7 @@ Outcome<Principal> Front::identify(const Route& route, const Request& request) c
     return operator_of_sample;
   }
 
-  auto principal = accounts_.authenticate(token_of(request));
+  auto principal = accounts_.authenticate(token_of(request), renewal);
   if (!principal && route.access == Access::kAnyoneOrPerson &&
       principal.error().kind == ProblemKind::kUnauthenticated) {
     return Principal{};
@@ -161,6 +185,21 @@ Outcome<Principal> Front::identify(const Route& route, const Request& request) c
   return principal;
 }
 
+/// The session is not renewed here: the request itself does that, and sends the cookie.
+Outcome<Response> Front::decide_body(const Route& route, const Request& request) const {
+  const auto principal = identify(route, request, Accounts::Renewal::kNo);
+  if (!principal) return tl::unexpected(principal.error());
+  if (route.body_check) {
+    if (auto fits = route.body_check(request, *principal, announced_bytes(request)); !fits)
+      return tl::unexpected(fits.error());
+  }
+  Response response;
+  response.status = 204;
+  if (principal->sample_operator) return std::move(response).with("X-Account", "operator");
+  if (principal->user_id.empty()) return response;
+  return std::move(response).with("X-Account", principal->user_id);
+}
+
 Response Front::serve(Admitted& admitted) const {
   const auto began = std::chrono::steady_clock::now();
   const Route& route = *admitted.route;
@@ -168,9 +207,15 @@ Response Front::serve(Admitted& admitted) const {
   const log::RequestScope scope(request.request_id);
   Response response;
   try {
-    const auto principal = identify(route, request);
-    auto outcome = principal ? route.handler(request, *principal)
-                             : Outcome<Response>(tl::unexpected(principal.error()));
+    bool renewed = false;
+    const auto answer = [&]() -> Outcome<Response> {
+      if (admitted.asks_for_body) return decide_body(route, request);
+      const auto principal = identify(route, request, Accounts::Renewal::kYes);
+      if (!principal) return tl::unexpected(principal.error());
+      renewed = principal->renewed;
+      return route.handler(request, *principal);
+    };
+    auto outcome = answer();
     // Nothing that was asked for has been begun, or it was only to be read: trying again is safe.
     if (!outcome && (!principal || is_safe(request.method)) &&
         outcome.error().kind == ProblemKind::kOutcomeUnknown) {
@@ -180,9 +225,7 @@ Response Front::serve(Admitted& admitted) const {
     }
     response =
         outcome ? *std::move(outcome) : problem_response(outcome.error(), request.request_id);
-    if (principal && principal->renewed) {
-      response.with("Set-Cookie", cookie(token_of(request)));
-    }
+    if (renewed) response.with("Set-Cookie", cookie(token_of(request)));
     if (response.body.size() > kMaxResponseBytes) throw log::SafeError("response over 1 MB");
   } catch (const std::exception& thrown) {
     log::error("request failed",
@@ -190,6 +233,8 @@ Response Front::serve(Admitted& admitted) const {
     response = problem_response(from_error({ErrorCode::kInternal, {}, {}}), request.request_id);
   }
   response = finish(std::move(response), request);
+  // The request itself follows, and is logged and measured then.
+  if (admitted.asks_for_body && response.status == 204) return response;
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   const auto bytes = static_cast<std::int64_t>(request.body.size());

@@ -31,8 +31,21 @@ struct Route {
   Access access = Access::kPerson;
   Handler handler;
   std::vector<std::string> query;         ///< the parameters it knows
-  std::int64_t body_limit = 1024 * 1024;  ///< bytes
+  std::int64_t body_limit = 1024 * 1024;  ///< bytes; without a principal at most kAnyoneBodyBytes
+  /// Checks from the head alone whether a body of so many bytes may be sent at all. The edge asks
+  /// before it reads the body; the handler checks again.
+  std::function<Outcome<void>(const Request&, const Principal&, std::int64_t bytes)> body_check =
+      nullptr;
 };
+
+/// The largest body on a route that anyone may use. The edge holds it in memory.
+inline constexpr std::int64_t kAnyoneBodyBytes = 16 * 1024;
+
+/// Where the edge asks whether it may read a request's body. It is outside of /v1, so that no
+/// client reaches it. X-Original-Method, X-Original-Target and X-Original-Length describe the
+/// request; the other headers are its own. The answer is 204, with the account in X-Account where
+/// there is one, or what the request itself is to be answered with.
+inline constexpr std::string_view kBodyGate = "/edge/body";
 
 /// What was measured of a request.
 struct Measured {
@@ -57,6 +70,7 @@ class Front {
   struct Admitted {
     const Route* route = nullptr;
     Request request;
+    bool asks_for_body = false;  ///< the edge's question (kBodyGate), not the request itself
   };
   /// Or the answer at once.
   using Admission = std::variant<Admitted, Response>;
@@ -78,7 +92,10 @@ class Front {
   std::string token_of(const Head& head) const;
 
  private:
-  Outcome<Principal> identify(const Route& route, const Request& request) const;
+  Admission admit_request(Head head) const;
+  Outcome<Response> decide_body(const Route& route, const Request& request) const;
+  Outcome<Principal> identify(const Route& route, const Request& request,
+                              Accounts::Renewal renewal) const;
   Outcome<void> check_origin(const Request& request) const;
   Response finish(Response response, const Request& request) const;
 

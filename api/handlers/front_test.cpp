@@ -33,7 +33,20 @@ class FrontTest : public testing::Test {
     front.add({{"GET", "/v1/things/{id}", "getThing", Access::kPerson, answer, {"limit"}},
                {"POST", "/v1/things", "makeThing", Access::kPersonOrOperator, answer, {}},
                {"GET", "/v1/ruled", "rule", Access::kAdministrator, answer, {}},
-               {"POST", "/v1/open", "open", Access::kAnyone, answer, {}, 100}});
+               {"POST", "/v1/open", "open", Access::kAnyone, answer, {}, 100},
+               {"POST", "/v1/plain", "plain", Access::kAnyone, answer, {}},
+               {"PATCH",
+                "/v1/parts/{id}",
+                "append",
+                Access::kPersonOrOperator,
+                answer,
+                {},
+                8 << 20,
+                [this](const Request& request, const Principal&, std::int64_t bytes) {
+                  checked = request.parameter("id") + " " + std::to_string(bytes);
+                  return bytes > 1000 ? Outcome<void>(refuse(ProblemKind::kLocked, "Not now."))
+                                      : Outcome<void>();
+                }}});
     WebSession session{blake2b(kToken), "user", kCsrf, clock.wall(),
                        clock.wall() + std::chrono::hours(24 * 14)};
     (void)store.open_session(session);
@@ -45,6 +58,14 @@ class FrontTest : public testing::Test {
     auto& admitted = std::get<Front::Admitted>(admission);
     admitted.request.body = std::move(body);
     return front.serve(admitted);
+  }
+  /// What the edge asks before it reads the body of such a request.
+  Response ask_for_body(const Head& head, const std::string& length) {
+    Head question{"GET", std::string(kBodyGate), head.headers};
+    question.headers["x-original-method"] = head.method;
+    question.headers["x-original-target"] = head.target;
+    question.headers["x-original-length"] = length;
+    return ask(std::move(question));
   }
   static std::string kind(const Response& response) {
     return nlohmann::json::parse(response.body)["type"].get<std::string>().substr(21);
@@ -67,6 +88,7 @@ class FrontTest : public testing::Test {
   Accounts accounts{store, hasher, codes, clock, {.public_url = "https://see.example"}};
   Front front{accounts, {.public_url = "https://see.example", .sample_token = "s3cret"}};
   int served = 0;
+  std::string checked;
   Principal asked_by;
   Request seen;
 };
@@ -89,6 +111,51 @@ TEST_F(FrontTest, AnUnsafeMethodNeedsTheTokenOfItsOwnSession) {
   EXPECT_EQ(served, 0);
   EXPECT_EQ(ask({"POST", "/v1/things", {{"cookie", kCookie}, {"x-csrf-token", kCsrf}}}).status,
             200);
+}
+
+TEST_F(FrontTest, TheEdgeLearnsWhoMaySendABodyWithoutRunningTheHandler) {
+  const Head made{"POST", "/v1/things", {{"cookie", kCookie}, {"x-csrf-token", kCsrf}}};
+  const Response may = ask_for_body(made, "5000");
+  EXPECT_EQ(may.status, 204);
+  EXPECT_EQ(header(may, "X-Account"), "user");
+  EXPECT_EQ(header(ask_for_body({"POST", "/v1/things", {{"authorization", "Bearer s3cret"}}}, "5"),
+                   "X-Account"),
+            "operator");
+  const Response open = ask_for_body({"POST", "/v1/open", {}}, "5");
+  EXPECT_EQ(open.status, 204);
+  EXPECT_EQ(header(open, "X-Account"), "");
+  EXPECT_EQ(served, 0);
+}
+
+TEST_F(FrontTest, TheEdgeIsToldWhatABodyWouldBeRefusedWith) {
+  const std::map<std::string, std::string> person{{"cookie", kCookie}, {"x-csrf-token", kCsrf}};
+  EXPECT_EQ(kind(ask_for_body({"POST", "/v1/things", {}}, "5")), "unauthenticated");
+  EXPECT_EQ(kind(ask_for_body({"POST", "/v1/things", {{"cookie", kCookie}}}, "5")), "csrf");
+  EXPECT_EQ(kind(ask_for_body({"POST", "/v1/open", {{"origin", "null"}}}, "5")), "origin");
+  EXPECT_EQ(kind(ask_for_body({"POST", "/v1/none", person}, "5")), "not-found");
+  EXPECT_EQ(kind(ask_for_body({"PATCH", "/v1/things", person}, "5")), "method-not-allowed");
+  EXPECT_EQ(kind(ask_for_body({"POST", "/v1/things", person}, "1048577")), "body-too-large");
+  EXPECT_EQ(kind(ask_for_body({"GET", std::string(kBodyGate), person}, "5")), "not-found");
+  EXPECT_EQ(ask_for_body({"PATCH", "/v1/parts/7", person}, "1000").status, 204);
+  EXPECT_EQ(checked, "7 1000");
+  EXPECT_EQ(kind(ask_for_body({"PATCH", "/v1/parts/7", person}, "1001")), "locked");
+  EXPECT_EQ(served, 0);
+}
+
+TEST_F(FrontTest, WithoutASessionABodyIsSmallOnEveryRoute) {
+  const std::string most = std::to_string(kAnyoneBodyBytes);
+  const std::string more = std::to_string(kAnyoneBodyBytes + 1);
+  EXPECT_EQ(ask({"POST", "/v1/plain", {{"content-length", most}}}).status, 200);
+  EXPECT_EQ(kind(ask({"POST", "/v1/plain", {{"content-length", more}}})), "body-too-large");
+  EXPECT_EQ(kind(ask_for_body({"POST", "/v1/plain", {}}, more)), "body-too-large");
+  EXPECT_EQ(kind(ask_for_body({"POST", "/v1/open", {}}, "101")), "body-too-large");
+}
+
+TEST_F(FrontTest, TheQuestionOfTheEdgeDoesNotRenewASession) {
+  clock.advance(std::chrono::hours(24 * 7));
+  const Head made{"POST", "/v1/things", {{"cookie", kCookie}, {"x-csrf-token", kCsrf}}};
+  EXPECT_EQ(header(ask_for_body(made, "5"), "Set-Cookie"), "");
+  EXPECT_THAT(header(ask(made), "Set-Cookie"), testing::HasSubstr(kToken));
 }
 
 TEST_F(FrontTest, AnotherOriginIsRefusedEvenWhereNobodyNeedsToBeSignedIn) {

@@ -90,6 +90,11 @@ std::vector<Route> upload_routes(Uploads& uploads, DataSets& data_sets) {
     if (!upload) return tl::unexpected(upload.error());
     return with_standing(empty_response(204), *upload);
   };
+  const auto may_append = [&uploads](const Request& request, const Principal& who,
+                                     std::int64_t bytes) -> Outcome<void> {
+    return uploads.check_part(who, request.parameter("upload_id"), request.header("upload-offset"),
+                              request.header("upload-checksum"), bytes);
+  };
   const auto terminate = [&uploads](const Request& request,
                                     const Principal& who) -> Outcome<Response> {
     const auto done = uploads.terminate(who, request.parameter("upload_id"));
@@ -103,7 +108,14 @@ std::vector<Route> upload_routes(Uploads& uploads, DataSets& data_sets) {
       {"POST", "/v1/uploads", "createUpload", kAccess, speaking_tus(create_one), {}},
       {"OPTIONS", one, "discoverUploads", Access::kAnyone, discover, {}},
       {"HEAD", one, "getUploadOffset", kAccess, speaking_tus(offset), {}},
-      {"PATCH", one, "appendToUpload", kAccess, speaking_tus(append), {}, tus::kMaxPartBytes},
+      {"PATCH",
+       one,
+       "appendToUpload",
+       kAccess,
+       speaking_tus(append),
+       {},
+       tus::kMaxPartBytes,
+       may_append},
       {"DELETE", one, "terminateUpload", kAccess, speaking_tus(terminate), {}},
   };
 }

@@ -158,7 +158,7 @@ Outcome<void> Accounts::sign_out(const std::string& token) {
   return {};
 }
 
-Outcome<Principal> Accounts::authenticate(const std::string& token) {
+Outcome<Principal> Accounts::authenticate(const std::string& token, Renewal renewal) {
   const auto refused = [] { return refuse(ProblemKind::kUnauthenticated, "Sign in first."); };
   if (!is_token(token)) return refused();
   const auto now = clock_.wall();
@@ -174,6 +174,7 @@ Outcome<Principal> Accounts::authenticate(const std::string& token) {
   }
   Principal principal{session.user_id, false,      (*found)->email, session.csrf_token, false,
                       role && factor,  session.id, factor,          role && !factor};
+  if (renewal == Renewal::kNo) return principal;
   if (now - (*found)->used_at > kUseNoted) {
     if (auto done = store_.touch_session(hash, now); !done) return refuse(done.error());
   }

@@ -71,8 +71,10 @@ class Accounts {
   Outcome<void> confirm_password(const Principal& who, const std::string& field,
                                  const std::string& password, const std::string& address);
   Outcome<void> sign_out(const std::string& token);
+  /// Whether the use of a session is noted and its expiry moved.
+  enum class Renewal { kYes, kNo };
   /// kUnauthenticated for a cookie that is forged, unknown or expired. Slides the expiry.
-  Outcome<Principal> authenticate(const std::string& token);
+  Outcome<Principal> authenticate(const std::string& token, Renewal renewal = Renewal::kYes);
   Outcome<Quota> quota_of(const std::string& user_id);
 
   std::chrono::seconds session_life() const { return options_.session_life; }

@@ -48,6 +48,17 @@ Outcome<tus::Part> Uploads::plan(const Upload& upload, const tus::PartRequest& r
       {upload.length, upload.received, upload.state != DataSetState::kUploading, false}, request);
 }
 
+Outcome<void> Uploads::check_part(const Principal& who, const std::string& id,
+                                  std::string_view offset, std::string_view checksum,
+                                  std::int64_t bytes) {
+  const auto upload = find(who, id);
+  if (!upload) return tl::unexpected(upload.error());
+  if (auto part = plan(*upload, {offset, checksum, bytes}); !part)
+    return tl::unexpected(part.error());
+  if (files_.free_bytes() - reserve_bytes_ < bytes) return storage_full();
+  return {};
+}
+
 Outcome<Upload> Uploads::append(const Principal& who, const std::string& id,
                                 std::string_view offset, std::string_view checksum,
                                 std::string_view bytes) {

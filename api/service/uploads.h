@@ -22,6 +22,10 @@ class Uploads {
 
   /// kNotFound also for somebody else's; kUploadExpired.
   Outcome<Upload> find(const Principal& who, const std::string& id);
+  /// Whether a part of so many bytes would be taken now: what `append` refuses of it before it
+  /// looks at the bytes.
+  Outcome<void> check_part(const Principal& who, const std::string& id, std::string_view offset,
+                           std::string_view checksum, std::int64_t bytes);
   /// The upload after the part; see tus.h for what is refused, and kLocked, kChecksumMismatch,
   /// kStorageFull (nothing of the part is left; the upload stands where it stood).
   Outcome<Upload> append(const Principal& who, const std::string& id, std::string_view offset,

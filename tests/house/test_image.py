@@ -47,6 +47,11 @@ def test_the_last_stage_has_nothing_of_those_before_it_but_their_files():
     assert "RUN" not in _last_stage()
 
 
+def test_the_image_takes_the_modules_that_the_edge_loads():
+    conf = (REPO / "api" / "edge" / "nginx.conf.in").read_text(encoding="utf-8")
+    assert re.findall(r"^load_module (\S+);$", conf, re.MULTILINE) == [str(module) for module in image.NGINX_MODULES]
+
+
 def test_the_image_has_the_charts_version():
     assert re.fullmatch(r"localhost/diaphane:\d+\.\d+\.\d+", image.name())
 

@@ -90,7 +90,7 @@ def test_this_checkout_s_list_has_what_its_programs_link_and_the_page_has():
     lock = json.loads((paths.FRONTEND / "package-lock.json").read_text(encoding="utf-8"))
     for name, version in lock["packages"][""]["dependencies"].items():
         assert (listed[name]["version"], listed[name]["scope"]) == (version, "required")
-    for name in ("nginx-light", "postgresql", "redis-server", "nlohmann-json3-dev"):
+    for name in ("nginx-light", "libnginx-mod-http-lua", "postgresql", "redis-server", "nlohmann-json3-dev"):
         assert listed[name]["scope"] == "required"
     assert listed["pytest"]["scope"] == "excluded"
 

@@ -68,14 +68,39 @@ def family(pid: int) -> list[int]:
     return [pid, *map(int, children)]
 
 
+def spooled(stack) -> int:
+    """Bytes of request bodies that the edge has on the disk now; their files have no name any more."""
+    folder, found = str(stack.data_dir / "run" / "edge-body"), 0
+    for pid in family(stack.pids["edge"]):
+        for link in Path(f"/proc/{pid}/fd").iterdir():
+            try:
+                if str(link.readlink()).startswith(folder):
+                    found += link.stat().st_size
+            except FileNotFoundError:
+                pass  # closed meanwhile
+    return found
+
+
+def part_head(url: str, length: int, *headers: str, offset: int = 0) -> bytes:
+    """The head of a part of an upload."""
+    lines = (f"PATCH {url} HTTP/1.1", "Host: localhost", "Tus-Resumable: 1.0.0", f"Upload-Offset: {offset}",
+             "Content-Type: application/offset+octet-stream", f"Content-Length: {length}", *headers)
+    return "".join(f"{line}\r\n" for line in lines).encode() + b"\r\n"
+
+
+def signed(somebody) -> tuple[str, str]:
+    """The headers by which the page shows who it is."""
+    return f"Cookie: diaphane={somebody.http.cookies['diaphane']}", f"X-CSRF-Token: {somebody.csrf}"
+
+
 class Undisturbed:
     """Somebody signed in goes on using the page while it is under attack; afterwards: what was wrong, and how large the programs are."""
 
-    def __init__(self, stack, somebody):
+    def __init__(self, stack, somebody, source: str = "127.0.0.2"):
         self.stack = stack
         self.pids = dict(stack.pids)
         self.before_mb = resident_mb(self.pids["api"])
-        self.ordinary = Ordinary(stack.ports["edge"], somebody.http.cookies["diaphane"], somebody.id)
+        self.ordinary = Ordinary(stack.ports["edge"], somebody.http.cookies["diaphane"], somebody.id, source)
         self.ordinary.start()
 
     def faults(self, api_grows_mb: float = 100, edge_mb: float = 250) -> list[str]:
@@ -94,11 +119,11 @@ class Undisturbed:
 
 
 class Ordinary(threading.Thread):
-    """Somebody signed in who goes on using the page, from another address. Every answer must be theirs."""
+    """Somebody signed in who goes on using the page, by default from another address. Every answer must be theirs."""
 
-    def __init__(self, port: int, cookie: str, user_id: str):
+    def __init__(self, port: int, cookie: str, user_id: str, source: str = "127.0.0.2"):
         super().__init__(daemon=True)
-        self.port, self.cookie, self.user_id = port, cookie, user_id
+        self.port, self.cookie, self.user_id, self.source = port, cookie, user_id, source
         self.stopping = threading.Event()
         self.seconds: list[float] = []
         self.wrong: list[str] = []
@@ -109,7 +134,7 @@ class Ordinary(threading.Thread):
             begun = time.monotonic()
             try:
                 connection = connection or http.client.HTTPConnection("127.0.0.1", self.port, timeout=10,
-                                                                      source_address=("127.0.0.2", 0))
+                                                                      source_address=(self.source, 0))
                 self.check(connection, "/v1/me", lambda body: json.loads(body)["id"] == self.user_id)
                 self.check(connection, "/v1/data-sets", lambda body: json.loads(body)["items"] == [])
                 self.check(connection, "/", lambda body: b"<" in body)

@@ -10,9 +10,10 @@ import socket
 import struct
 import time
 
+import httpx
 import pytest
-from api_client import person
-from edge_help import Undisturbed, connect, family, requests_of, statuses, talk
+from api_client import person, problem
+from edge_help import Undisturbed, connect, family, part_head, requests_of, signed, spooled, statuses, talk
 
 #: How slow an ordinary answer may be at worst while the machine is under attack (2 cores, shared with the attackers).
 P99_SECONDS = 0.5
@@ -27,6 +28,12 @@ def edge(stack_house):
 
 @pytest.fixture(scope="module")
 def somebody(edge):
+    return person(edge)
+
+
+@pytest.fixture(scope="module")
+def uploader(edge):
+    """Somebody else, who has uploads: those of `somebody` have none to list."""
     return person(edge)
 
 
@@ -153,6 +160,177 @@ def test_parts_of_an_upload_are_not_mistaken_for_a_flood(edge, somebody):
     somebody.http.delete(f"/v1/data-sets/{made['data_set']['id']}")
 
 
+def all_ended(group: list[socket.socket], seconds: float) -> int:
+    """How many of them the edge has ended; waits until it has ended all."""
+    waiting = select.poll()
+    for one in group:
+        waiting.register(one, select.POLLIN | select.POLLHUP)
+    deadline = time.monotonic() + seconds
+    while (ended := len(waiting.poll(100))) < len(group) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    return ended
+
+
+def drip(group: list[socket.socket]) -> None:
+    """One byte more on each."""
+    for one in group:
+        try:
+            one.send(b"x")
+        except OSError:
+            pass  # ended by the edge
+
+
+PART = 8 * 1024 * 1024
+
+
+@pytest.mark.parametrize("cookie", [(), ("Cookie: diaphane=" + "5" * 64, "X-CSRF-Token: " + "5" * 64)], ids=["no cookie", "a forged one"])
+def test_nobody_without_a_session_writes_to_the_disk(edge, uploader, ordinary, cookie):
+    """205 parts of 8 MB less 300 bytes from one address filled 1.5 GB of a disk: they lay there until the last byte came."""
+    url = uploader.data_set(PART)["upload_url"]
+    sent = bytes(256 * 1024)
+    waiting, most = [], 0
+    for _ in range(205):
+        one = connect(edge.ports["edge"], "127.0.0.72")
+        waiting.append(one)
+        try:
+            one.sendall(part_head(url, PART - 300, *cookie) + sent)
+        except OSError:
+            pass  # refused while we were still talking
+        most = max(most, spooled(edge))
+    assert max(most, spooled(edge)) == 0
+    for one in waiting[:20]:
+        assert statuses(one.recv(65536)) == [401]
+    for one in waiting:
+        one.close()
+    uploader.http.delete(url.replace("uploads", "data-sets"))
+
+
+def test_bodies_without_a_session_are_few_by_address_and_in_all(edge, uploader):
+    head = b"POST /v1/sign-in HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 100\r\n\r\n"
+    waiting = []
+
+    def send(number: int, source: str) -> None:
+        for _ in range(number):
+            waiting.append(connect(edge.ports["edge"], source))
+            waiting[-1].sendall(head)
+
+    def refused() -> list[int]:
+        poll = select.poll()
+        found = {one.fileno(): one for one in waiting}
+        for one in waiting:
+            poll.register(one, select.POLLIN)
+        return sorted(int(found[fd].recv(12, socket.MSG_PEEK)[9:]) for fd, _ in poll.poll(0))
+
+    send(40, "127.0.4.1")
+    edge.wait_until(lambda: refused() == [429] * 8, what="those beyond 32 of one address refused")
+    for number in range(2, 10):
+        send(32, f"127.0.4.{number}")
+    edge.wait_until(lambda: refused() == [429] * 8 + [503] * 32, what="those beyond 256 in all refused")
+    assert uploader.announce(1000).status_code == 201, "with a session a body is taken all the same"
+    for one in waiting:
+        one.close()
+    edge.wait_until(lambda: statuses(talk(edge.ports["edge"], head + b" " * 100, source="127.0.4.1", timeout=1)) not in ([], [429]), what="the places given back")
+
+
+def test_a_part_of_somebody_elses_upload_is_not_read(edge, uploader):
+    url, other = uploader.data_set(PART)["upload_url"], person(edge)
+    with connect(edge.ports["edge"], "127.0.0.73") as one:
+        one.sendall(part_head(url, PART, *signed(other)) + bytes(100_000))
+        assert statuses(one.recv(65536)) == [404]
+    for length, offset, status in ((PART - 1, 1, 409), (PART, 0, None)):
+        with connect(edge.ports["edge"], "127.0.0.73") as one:
+            one.sendall(part_head(url, length, *signed(uploader), offset=offset) + bytes(100_000))
+            if status is None:
+                edge.wait_until(lambda: spooled(edge) > 0, what="the owner's part on its way")
+            else:
+                assert statuses(one.recv(65536)) == [status]
+    edge.wait_until(lambda: spooled(edge) == 0, what="nothing of a part that broke off")
+    uploader.http.delete(url.replace("uploads", "data-sets"))
+
+
+def test_a_large_body_without_a_session_is_refused_before_it_is_read(edge):
+    """Where nobody needs to be signed in."""
+    for length, status in ((16 * 1024 + 1, 413), (1 << 20, 413)):
+        head = b"POST /v1/sign-in HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: %d\r\n\r\n" % length
+        with connect(edge.ports["edge"]) as one:
+            one.sendall(head)
+            assert statuses(one.recv(65536)) == [status]
+    assert spooled(edge) == 0
+
+
+def test_a_body_without_a_length_is_refused(edge, uploader):
+    head = "\r\n".join(("POST /v1/data-sets HTTP/1.1", "Host: localhost", "Content-Type: application/json", *signed(uploader),
+                        "Transfer-Encoding: chunked", "Connection: close", "", "")).encode()
+    assert statuses(talk(edge.ports["edge"], head + b"f\r\n" + b'{"bytes": 1000}' + b"\r\n0\r\n\r\n")) == [411]
+
+
+def test_nobody_outside_reaches_what_the_edge_asks(edge):
+    for path in (b"/_body_gate", b"/edge/body", b"/v1/../edge/body"):
+        answer = talk(edge.ports["edge"], b"GET " + path + b" HTTP/1.1\r\nHost: localhost\r\nX-Original-Method: POST\r\n"
+                      b"X-Original-Target: /v1/sign-in\r\nX-Original-Length: 5\r\nConnection: close\r\n\r\n")
+        assert statuses(answer) != [204] and b"X-Account" not in answer
+
+
+def test_one_account_has_four_parts_on_their_way_at_most(edge, uploader):
+    url, other = uploader.data_set(PART)["upload_url"], person(edge)
+    waiting = []
+    for number in range(7):
+        one = connect(edge.ports["edge"], f"127.0.3.{number + 1}")
+        one.sendall(part_head(url, PART, *signed(uploader)) + bytes(100_000))
+        waiting.append(one)
+    edge.wait_until(lambda: len(select.select(waiting, [], [], 0)[0]) == 3, what="three refusals")
+    assert [statuses(one.recv(65536)) for one in select.select(waiting, [], [], 0)[0]] == [[429]] * 3
+    assert other.patch(other.data_set(1000)["upload_url"], 0, b"x" * 1000).status_code == 204, "another person's part goes through"
+    assert uploader.announce(1000).status_code == 201, "and what is no part"
+    for one in waiting:
+        one.close()
+    edge.wait_until(lambda: uploader.patch(url, 0, bytes(100)).status_code == 204, what="the places given back")
+    uploader.http.delete(url.replace("uploads", "data-sets"))
+
+
+def test_a_body_that_cannot_be_kept_is_said_and_taken_later(edge, uploader):
+    """As on a full disk: nginx itself would say 500, which reads as a fault for good."""
+    made = uploader.data_set(200_000)
+    folder = edge.data_dir / "run" / "edge-body"
+    kept = folder.rename(folder.with_name("kept"))
+    folder.write_bytes(b"")
+    try:
+        refused = uploader.patch(made["upload_url"], 0, bytes(200_000))
+        assert problem(refused, 503, "unavailable") and int(refused.headers["retry-after"]) > 0
+    finally:
+        folder.unlink()
+        kept.rename(folder)
+    assert uploader.patch(made["upload_url"], 0, bytes(200_000)).status_code == 204
+    uploader.http.delete(f"/v1/data-sets/{made['data_set']['id']}")
+
+
+def test_slow_bodies_are_ended_and_the_others_behind_their_address_served(edge, uploader):
+    """512 bodies of a byte a second, each of which would have lasted for ever, kept everybody behind their address from the service."""
+    source, post = "127.0.0.74", b"POST %s HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 1000\r\n%s\r\n"
+    mine = "".join(f"{line}\r\n" for line in signed(uploader)).encode()
+    slow = [connect(edge.ports["edge"], source) for _ in range(512)]
+    for one in slow[:500]:
+        one.sendall(post % (b"/v1/sign-in", b""))
+    for one in slow[500:]:
+        one.sendall(post % (b"/v1/data-sets", mine))
+    watched = Undisturbed(edge, person(edge), source)
+    beside = person(edge)
+    beside.http = httpx.Client(base_url=edge.url, timeout=30, headers=beside.http.headers, cookies=beside.http.cookies,
+                               transport=httpx.HTTPTransport(local_address=source))
+    uploads, begun = 0, time.monotonic()
+    while all_ended(slow, 0) < len(slow) and time.monotonic() < begun + 60:
+        drip(slow)
+        made = beside.data_set(100_000)
+        assert beside.patch(made["upload_url"], 0, bytes(100_000)).status_code == 204
+        uploads += 1
+        time.sleep(1)
+    assert watched.faults() == []
+    assert all_ended(slow, 0) == len(slow), "a body that comes too slowly is ended"
+    assert uploads > 1
+    for one in slow:
+        one.close()
+
+
 def test_slow_and_idle_connections_are_borne_and_ended(edge, ordinary, many_files):
     """1,000 slow headers, 1,000 slow bodies and 10,000 that say nothing, all at once, from four addresses."""
     port = edge.ports["edge"]
@@ -169,25 +347,19 @@ def test_slow_and_idle_connections_are_borne_and_ended(edge, ordinary, many_file
     answered = len(ordinary.seconds)
     sent = 0
     while time.monotonic() - begun < 13:
-        for group, text in ((slow_heads, head), (slow_bodies, b"x" * 1000)):
-            for one in group:
-                try:
-                    one.send(text[sent % len(text):sent % len(text) + 1])
-                except OSError:
-                    pass  # ended by the edge
+        for one in slow_heads:
+            try:
+                one.send(head[sent % len(head):sent % len(head) + 1])
+            except OSError:
+                pass  # ended by the edge
+        drip(slow_bodies)
         sent += 1
         time.sleep(max(0.0, begun + sent - time.monotonic()))
     assert len(ordinary.seconds) > answered + 20, "the ordinary client was served meanwhile"
-    # Headers that take longer than 10 s, and connections that say nothing for as long, are ended.
-    for name, group in (("slow headers", slow_heads), ("idle", idle)):
-        waiting = select.poll()
-        for one in group:
-            waiting.register(one, select.POLLIN | select.POLLHUP)
-        deadline = time.monotonic() + 5
-        while (ended := len(waiting.poll(100))) < len(group) and time.monotonic() < deadline:
-            time.sleep(0.1)
+    # Headers and bodies that take longer than 10 s, and connections that say nothing for as long, are ended.
+    for name, group in (("slow headers", slow_heads), ("slow bodies", slow_bodies), ("idle", idle)):
+        ended = all_ended(group, 5)
         assert ended == len(group), f"{len(group) - ended} of {len(group)} {name} connections live on"
-    # Slow bodies: those beyond the limit of one address were refused, the others cost the API nothing.
     for one in slow_heads + slow_bodies + idle:
         one.close()
 

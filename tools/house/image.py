@@ -18,6 +18,9 @@ LIMIT = 600_000_000
 #: Beside what the chart's pods run: for a person in a pod, where the build has them.
 _TOOLS = ("diaphane-scan", "diaphane-render", "diaphane-sample")
 _NGINX = Path("/usr/sbin/nginx")
+#: What the edge's configuration loads, and Debian's packages with the Lua files that the second one needs.
+NGINX_MODULES = (Path("/usr/lib/nginx/modules/ndk_http_module.so"), Path("/usr/lib/nginx/modules/ngx_http_lua_module.so"))
+_LUA_PACKAGES = ("lua-resty-core", "lua-resty-lrucache")
 _CERTIFICATES = Path("/usr/share/ca-certificates/mozilla")
 #: From Debian, on the machine that builds the image; only these names, no services.
 _MAKERS = ["buildah", "debootstrap"]
@@ -59,9 +62,11 @@ def stage(into: Path) -> None:
     shutil.copytree(page, home / "page")
     shutil.copytree(paths.REPO / "migrations", home / "migrations")
     _nvrtc(bin_dir / "diaphane-renderd", home / "lib")
-    _put(_NGINX, into)
+    edge = [_NGINX, *NGINX_MODULES]
+    for file in (*edge, *_lua_files()):
+        _put(file, into)
     _certificates(into)
-    _libraries([*ours, _NGINX], into, home)
+    _libraries(ours, edge, into, home)
 
 
 def _put(file: Path, into: Path) -> None:
@@ -74,6 +79,11 @@ def _put(file: Path, into: Path) -> None:
     if file.is_symlink():
         target = Path(os.readlink(file))
         _put(target if target.is_absolute() else file.parent / target, into)
+
+
+def _lua_files() -> list[Path]:
+    listed = subprocess.run(["dpkg-query", "-L", *_LUA_PACKAGES], capture_output=True, text=True, check=True).stdout
+    return [file for line in listed.splitlines() if line.startswith("/usr/share/lua/") and (file := Path(line)).is_file()]
 
 
 def _nvrtc(renderd: Path, into: Path) -> None:
@@ -99,14 +109,15 @@ def _certificates(into: Path) -> None:
     place.write_text("".join(texts), encoding="ascii")
 
 
-def _libraries(programs: list[Path], into: Path, home: Path) -> None:
+def _libraries(ours: list[Path], edge: list[Path], into: Path, home: Path) -> None:
     """All that the loader would load, each package's licence and entry for scanners, and the list of components."""
+    programs = [*ours, *edge]
     linked = {program: sbom.linked_files(program) for program in programs}
     files = {file for listed in linked.values() for file in listed}
     for file in files:
         _put(file, into)
-    owner = sbom.owners([*files, _NGINX])
-    names = {*owner.values(), "ca-certificates"}
+    owner = sbom.owners([*files, *edge])
+    names = {*owner.values(), *_LUA_PACKAGES, "ca-certificates"}
     parts = sbom.debian_parts(names, needed=True)
     for package in sorted(parts):
         _package(package, into)

@@ -126,7 +126,7 @@ def _faults(root: Path, config: dict) -> list[str]:
 
     works("the root cannot be written to, /tmp can", f"[ $(id -u) = {USER} ] && ! touch /x 2>/dev/null && ! touch /opt/diaphane/x 2>/dev/null && touch /tmp/x")
     works("the loader finds every library", '''shopt -s nullglob
-        lost=$(ldd /opt/diaphane/bin/* /opt/diaphane/lib/* /usr/sbin/nginx 2>&1 | grep -E "not found|^/.*error") || true; echo "$lost"; [ -z "$lost" ]''')
+        lost=$(ldd /opt/diaphane/bin/* /opt/diaphane/lib/* /usr/sbin/nginx /usr/lib/nginx/modules/* 2>&1 | grep -E "not found|^/.*error") || true; echo "$lost"; [ -z "$lost" ]''')
     for program in sorted({*image.chart_programs(), *(Path(path).name for path in programs if path.startswith("/opt/diaphane/bin/"))}):
         works(f"{program} --help", f"/opt/diaphane/bin/{program} --help")
     text, port = _edge_config()

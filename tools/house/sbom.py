@@ -172,7 +172,7 @@ def debian_parts(names: Iterable[str], needed: bool) -> dict[str, Part]:
 
 
 #: Programs that `./diaphane up` starts and Debian has made.
-RUN = ("nginx-light", "postgresql", "redis-server")
+RUN = ("nginx-light", "libnginx-mod-http-lua", "postgresql", "redis-server")
 #: Compiled in from their headers alone, so that no program links them.
 HEADERS_ONLY = ("libboost-dev", "libexpected-dev", "nlohmann-json3-dev", "libtinyexr-dev")
 
