@@ -13,6 +13,9 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 5> kPresets{"skin", "muscle", "vessels", "bone", "airways"};
 constexpr auto kPatience = std::chrono::seconds(20);
+/// Requests that may wait for a picture that another one has rendered. Each one holds a thread of
+/// the API, as each picture that is being rendered does.
+constexpr int kMostWaiting = 2;
 
 }  // namespace
 
@@ -33,10 +36,10 @@ Outcome<std::string> Thumbnails::get(const Principal& who, const std::string& da
 
   {
     std::unique_lock lock(mutex_);
-    // The same picture is rendered once for all who wait for it.
-    if (!done_.wait_for(lock, kPatience, [&] { return !rendering_.contains(path); })) {
-      return refuse(ProblemKind::kBusy, "The picture is still being made.",
-                    std::chrono::seconds(2));
+    // The same picture is rendered once, and only a few requests wait for it.
+    if (!wait_for_render(lock, path)) {
+      return refuse(ProblemKind::kBusy, "The picture is still being made; try again in a moment.",
+                    std::chrono::seconds(1));
     }
     if (is_current(path, data_set->anonymised_at)) return path;
     if (rendering_.size() >= slots_) {
@@ -72,6 +75,15 @@ Outcome<std::string> Thumbnails::get(const Principal& who, const std::string& da
                   std::chrono::seconds(1));
   }
   return path;
+}
+
+bool Thumbnails::wait_for_render(std::unique_lock<std::mutex>& lock, const std::string& path) {
+  if (!rendering_.contains(path)) return true;
+  if (waiting_ >= kMostWaiting) return false;
+  ++waiting_;
+  const bool done = done_.wait_for(lock, kPatience, [&] { return !rendering_.contains(path); });
+  --waiting_;
+  return done;
 }
 
 bool Thumbnails::is_current(const std::string& path, const std::optional<Time>& cut_at) const {

@@ -17,7 +17,8 @@ namespace diaphane::api {
 /// `<cache directory>/thumbnails/<data set>/<preset>.jpg`. Thread-safe.
 class Thumbnails {
  public:
-  /// At most `slots` are rendered at once; whoever comes besides is told to come again.
+  /// At most `slots` are rendered at once, and a few requests wait for one of them; all others are
+  /// refused with kBusy, so that pictures never hold all threads of the API.
   Thumbnails(DataSets& data_sets, Stills& stills, std::string cache_directory, int slots = 2);
 
   /// The file's path below the cache directory. kNotFound (also an unknown preset), kNotReady,
@@ -28,6 +29,8 @@ class Thumbnails {
   Result<void> remove(const std::string& data_set_id);
 
  private:
+  /// False when the picture is still being rendered: for too long, or too many wait already.
+  bool wait_for_render(std::unique_lock<std::mutex>& lock, const std::string& path);
   /// It is there, and no older than the cut of what it shows.
   bool is_current(const std::string& path, const std::optional<Time>& cut_at) const;
   Outcome<void> render(const std::string& data_set_id, const std::string& preset,
@@ -40,6 +43,7 @@ class Thumbnails {
   std::mutex mutex_;
   std::condition_variable done_;
   std::set<std::string> rendering_;  ///< paths
+  int waiting_ = 0;                  ///< requests
 };
 
 }  // namespace diaphane::api

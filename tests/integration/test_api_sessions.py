@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import socket
 import uuid
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from api_client import add_worker, api, make_ready, one, person, problem, remove_worker  # noqa: F401
@@ -52,6 +54,21 @@ def test_the_same_idempotency_key_opens_one_session(api, one, ready, worker):  #
 def test_without_a_worker_one_is_told_to_come_again(api, one, ready):  # noqa: F811
     problem(one.http.post("/v1/sessions", json={"data_set_id": ready}), 503, "no-worker")
     problem(one.http.get(f"/v1/data-sets/{ready}/thumbnails/skin"), 503, "no-worker")
+
+
+def test_a_picture_that_is_being_made_holds_a_few_threads_of_the_api_only(api, one, ready, worker):  # noqa: F811
+    """40 requests for one new picture kept all threads waiting for as long as it took; here its worker never answers."""
+    with socket.create_server(("127.0.0.1", 0)) as silent, ThreadPoolExecutor(40) as pool:
+        api.redis.hset(f"diaphane:worker:{worker}", "address", f"127.0.0.1:{silent.getsockname()[1]}")
+        asked = [pool.submit(one.http.get, f"/v1/data-sets/{ready}/thumbnails/skin") for _ in range(40)]
+        # The call to a worker ends after 20 s.
+        api.wait_until(lambda: sum(each.done() for each in asked) == 37, timeout=12, what="all but three told to come again")
+        assert one.http.get("/v1/me").status_code == 200
+        for answer in [each.result() for each in asked if each.done()]:
+            problem(answer, 503, "busy")
+            assert answer.headers["retry-after"] == "1"
+        silent.close()
+    assert {each.result().status_code for each in asked} == {503}
 
 
 def test_what_is_not_ready_cannot_be_looked_at(api, one, worker):  # noqa: F811
