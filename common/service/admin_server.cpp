@@ -1,121 +1,207 @@
 #include "common/service/admin_server.h"
 
-#include <CivetServer.h>
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <prometheus/counter.h>
 #include <prometheus/gauge.h>
 #include <prometheus/text_serializer.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
 #include <chrono>
+#include <list>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 namespace diaphane::service {
 namespace {
 
-void reply(mg_connection* connection, int status, const char* reason, const char* type,
-           const std::string& body) {
-  mg_printf(connection,
-            "HTTP/1.1 %d %s\r\nContent-Type: %s\r\nContent-Length: %zu\r\n"
-            "Cache-Control: no-store\r\nConnection: close\r\n\r\n",
-            status, reason, type, body.size());
-  mg_write(connection, body.data(), body.size());
-}
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using asio::ip::tcp;
 
-class Handler final : public CivetHandler {
- public:
-  using Answer = std::function<void(mg_connection*)>;
-  explicit Handler(Answer answer) : answer_(std::move(answer)) {}
-  bool handleGet(CivetServer*, mg_connection* connection) override {
-    answer_(connection);
-    return true;
-  }
+/// How long a request and its answer may each take on the way.
+constexpr auto kPatience = std::chrono::seconds(2);
+/// Connections at once. One more ends the oldest whose request has not arrived, so that unfinished
+/// requests, however many, never keep a probe from its answer.
+constexpr std::size_t kMostConnections = 64;
+constexpr std::size_t kMostHeaderBytes = 8192;
+/// Checks and metrics are answered by these, because a check may wait for a store.
+constexpr std::size_t kAnswering = 2;
 
- private:
-  Answer answer_;
-};
+using Request = http::request<http::empty_body>;
+using Response = http::response<http::string_body>;
 
-/// Opens a connection and closes it. Whether anybody took it makes no difference.
-void knock(const std::string& address, std::uint16_t port) {
-  sockaddr_in to{};
-  to.sin_family = AF_INET;
-  to.sin_port = htons(port);
-  if (inet_pton(AF_INET, address.c_str(), &to.sin_addr) != 1) return;
-  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (fd < 0) return;
-  static_cast<void>(connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to));
-  close(fd);
+Response make_response(http::status status, const char* type, std::string body) {
+  Response response(status, 11);
+  response.set(http::field::content_type, type);
+  response.set(http::field::cache_control, "no-store");
+  response.keep_alive(false);
+  response.body() = std::move(body);
+  response.prepare_payload();
+  return response;
 }
 
 }  // namespace
 
 struct AdminServer::Impl {
-  Options options;
+  /// One request and its answer.
+  struct Exchange {
+    explicit Exchange(tcp::socket socket) : stream(std::move(socket)) {
+      parser.header_limit(kMostHeaderBytes);
+      parser.body_limit(0);
+    }
+    beast::tcp_stream stream;
+    beast::flat_buffer buffer{kMostHeaderBytes};
+    http::request_parser<http::empty_body> parser;
+    Response response;
+    bool arrived = false;
+  };
+  using Exchanges = std::list<std::shared_ptr<Exchange>>;
+
+  explicit Impl(Options given) : options(std::move(given)) {}
+
+  void accept();
+  void begin(tcp::socket socket);
+  void answer(const std::shared_ptr<Exchange>& exchange);
+  void send(const std::shared_ptr<Exchange>& exchange);
+  void end(const std::shared_ptr<Exchange>& exchange);
+  void make_room();
+  Response response_to(const Request& request) const;
+  Response readiness() const;
+
+  const Options options;
   std::shared_ptr<prometheus::Registry> registry = std::make_shared<prometheus::Registry>();
   std::atomic<bool> draining{false};
-  std::unique_ptr<Handler> metrics;
-  std::unique_ptr<Handler> health;
-  std::unique_ptr<Handler> ready;
-  std::unique_ptr<CivetServer> server;  // last: its threads use the handlers
+  asio::io_context io{1};
+  tcp::acceptor acceptor{io};
+  Exchanges exchanges;  ///< of the io thread alone, oldest first
+  asio::thread_pool answering{kAnswering};
+  std::jthread thread;
 };
 
-Result<std::unique_ptr<AdminServer>> AdminServer::start(Options options) {
-  auto impl = std::make_unique<Impl>();
-  impl->options = std::move(options);
-  Impl* self = impl.get();
+void AdminServer::Impl::accept() {
+  acceptor.async_accept([this](beast::error_code error, tcp::socket socket) {
+    if (error == asio::error::operation_aborted) return;
+    // No descriptor is free: try again, but not in a loop that takes a whole core.
+    if (error) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    if (!error) begin(std::move(socket));
+    accept();
+  });
+}
 
+void AdminServer::Impl::make_room() {
+  if (exchanges.size() < kMostConnections) return;
+  const auto oldest = std::find_if(exchanges.begin(), exchanges.end(),
+                                   [](const auto& exchange) { return !exchange->arrived; });
+  const auto ended = *(oldest == exchanges.end() ? exchanges.begin() : oldest);
+  end(ended);
+}
+
+void AdminServer::Impl::begin(tcp::socket socket) {
+  make_room();
+  const auto exchange = std::make_shared<Exchange>(std::move(socket));
+  exchanges.push_back(exchange);
+  exchange->stream.expires_after(kPatience);
+  http::async_read(exchange->stream, exchange->buffer, exchange->parser,
+                   [this, exchange](beast::error_code error, std::size_t) {
+                     if (error) return end(exchange);
+                     exchange->arrived = true;
+                     exchange->stream.expires_never();
+                     asio::post(answering, [this, exchange] { answer(exchange); });
+                   });
+}
+
+void AdminServer::Impl::answer(const std::shared_ptr<Exchange>& exchange) {
+  try {
+    exchange->response = response_to(exchange->parser.get());
+  } catch (const std::exception&) {
+    exchange->response = make_response(http::status::internal_server_error, "text/plain", "");
+  }
+  asio::post(io, [this, exchange] { send(exchange); });
+}
+
+void AdminServer::Impl::send(const std::shared_ptr<Exchange>& exchange) {
+  exchange->stream.expires_after(kPatience);
+  http::async_write(exchange->stream, exchange->response,
+                    [this, exchange](beast::error_code, std::size_t) { end(exchange); });
+}
+
+void AdminServer::Impl::end(const std::shared_ptr<Exchange>& exchange) {
+  beast::error_code ignored;
+  exchange->stream.socket().shutdown(tcp::socket::shutdown_send, ignored);
+  exchange->stream.close();
+  exchanges.remove(exchange);
+}
+
+Response AdminServer::Impl::response_to(const Request& request) const {
+  const std::string_view target(request.target().data(), request.target().size());
+  const std::string_view path = target.substr(0, target.find('?'));
+  if (request.method() != http::verb::get) {
+    return make_response(http::status::method_not_allowed, "text/plain", "");
+  }
+  if (path == "/metrics") {
+    return make_response(http::status::ok, "text/plain; version=0.0.4; charset=utf-8",
+                         prometheus::TextSerializer().Serialize(registry->Collect()));
+  }
+  if (path == "/healthz") {
+    const nlohmann::json body{{"program", options.program}, {"pid", getpid()}};
+    return make_response(http::status::ok, "application/json", body.dump() + "\n");
+  }
+  if (path == "/readyz") return readiness();
+  return make_response(http::status::not_found, "text/plain", "");
+}
+
+Response AdminServer::Impl::readiness() const {
+  nlohmann::json body = nlohmann::json::object();
+  if (options.details) {
+    body = nlohmann::json::parse(options.details(), nullptr, false);
+    if (!body.is_object()) body = nlohmann::json::object();
+  }
+  bool ready = !draining;
+  body["program"] = options.program;
+  body["draining"] = draining.load();
+  body["checks"] = nlohmann::json::object();
+  for (const ReadyCheck& check : options.checks) {
+    const bool ok = check.ok();
+    body["checks"][check.name] = ok;
+    ready = ready && ok;
+  }
+  body["ready"] = ready;
+  return make_response(ready ? http::status::ok : http::status::service_unavailable,
+                       "application/json", body.dump() + "\n");
+}
+
+Result<std::unique_ptr<AdminServer>> AdminServer::start(Options options) {
+  auto impl = std::make_unique<Impl>(std::move(options));
   auto& up = prometheus::BuildGauge()
                  .Name("diaphane_start_time_seconds")
                  .Help("When this program started, seconds since the epoch.")
-                 .Register(*self->registry)
-                 .Add({{"program", self->options.program}});
+                 .Register(*impl->registry)
+                 .Add({{"program", impl->options.program}});
   up.Set(static_cast<double>(std::chrono::duration_cast<std::chrono::seconds>(
                                  std::chrono::system_clock::now().time_since_epoch())
                                  .count()));
 
-  self->metrics = std::make_unique<Handler>([self](mg_connection* connection) {
-    reply(connection, 200, "OK", "text/plain; version=0.0.4; charset=utf-8",
-          prometheus::TextSerializer().Serialize(self->registry->Collect()));
-  });
-  self->health = std::make_unique<Handler>([self](mg_connection* connection) {
-    nlohmann::json body{{"program", self->options.program}, {"pid", getpid()}};
-    reply(connection, 200, "OK", "application/json", body.dump() + "\n");
-  });
-  self->ready = std::make_unique<Handler>([self](mg_connection* connection) {
-    nlohmann::json body = nlohmann::json::object();
-    if (self->options.details) {
-      body = nlohmann::json::parse(self->options.details(), nullptr, false);
-      if (!body.is_object()) body = nlohmann::json::object();
-    }
-    bool ready = !self->draining;
-    body["program"] = self->options.program;
-    body["draining"] = self->draining.load();
-    body["checks"] = nlohmann::json::object();
-    for (const ReadyCheck& check : self->options.checks) {
-      const bool ok = check.ok();
-      body["checks"][check.name] = ok;
-      ready = ready && ok;
-    }
-    body["ready"] = ready;
-    reply(connection, ready ? 200 : 503, ready ? "OK" : "Service Unavailable", "application/json",
-          body.dump() + "\n");
-  });
-
-  try {
-    self->server = std::make_unique<CivetServer>(std::vector<std::string>{
-        "listening_ports", self->options.address + ":" + std::to_string(self->options.port),
-        "num_threads", "2", "request_timeout_ms", "5000", "keep_alive_timeout_ms", "0"});
-  } catch (const CivetException&) {
+  beast::error_code error;
+  const auto address = asio::ip::make_address(impl->options.address, error);
+  const tcp::endpoint endpoint(address, impl->options.port);
+  if (!error) impl->acceptor.open(endpoint.protocol(), error);
+  if (!error) impl->acceptor.set_option(asio::socket_base::reuse_address(true), error);
+  if (!error) impl->acceptor.bind(endpoint, error);
+  if (!error) impl->acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) {
     return fail(ErrorCode::kUnavailable,
-                "the admin port " + std::to_string(self->options.port) + " cannot be opened");
+                "the admin port " + std::to_string(impl->options.port) + " cannot be opened");
   }
-  self->server->addHandler("/metrics", *self->metrics);
-  self->server->addHandler("/healthz", *self->health);
-  self->server->addHandler("/readyz", *self->ready);
+  impl->accept();
+  impl->thread = std::jthread([raw = impl.get()] { raw->io.run(); });
   return std::unique_ptr<AdminServer>(new AdminServer(std::move(impl)));
 }
 
@@ -123,16 +209,11 @@ AdminServer::AdminServer(std::unique_ptr<Impl> impl)
     : impl_(std::move(impl)), registry_(impl_->registry) {}
 
 AdminServer::~AdminServer() {
-  // civetweb's listening thread looks only every 2 s whether it should end, a constant of that
-  // library; a connection makes it look at once. Repeated, because the first may come before it is
-  // told to end.
-  const std::jthread waker([this](const std::stop_token& stop) {
-    while (!stop.stop_requested()) {
-      knock(impl_->options.address, impl_->options.port);
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-  });
-  impl_->server->close();
+  // The checks first: what they look at may end with whoever ends this. Their answers are not sent.
+  impl_->answering.stop();
+  impl_->answering.join();
+  impl_->io.stop();
+  impl_->thread.join();
 }
 
 void AdminServer::set_draining() { impl_->draining = true; }
