@@ -42,32 +42,25 @@ std::optional<Vector> vector_in(const json& object, const char* name) {
 double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 double length(const Vector& a) { return std::sqrt(dot(a, a)); }
 
-/// Affine functions of a voxel's index; a voxel is kept where none is positive.
-struct HalfSpaces {
-  struct One {
-    Vector slope{};        // mm an index step
-    double at_origin = 0;  // mm, of the centre of voxel (0, 0, 0)
-  };
-  std::vector<One> all;
+KeptVoxels kept_by(const Header& header, const Region& region) {
+  std::vector<Region::Plane> planes = faces_of(region.low, region.high);
+  planes.insert(planes.end(), region.planes.begin(), region.planes.end());
+  return {header, planes};
+}
 
-  /// Where along x from `row`'s start all are at most 0: an interval, as each is affine.
-  std::array<std::uint32_t, 2> along_x(std::uint32_t y, std::uint32_t z, std::uint32_t size) const {
-    // Asked voxel by voxel at the ends, so that rounding can never keep one that `keeps` does not.
-    std::uint32_t first = 0, last = size;
-    while (first < last && !keeps(first, y, z)) ++first;
-    while (last > first && !keeps(last - 1, y, z)) --last;
-    return {first, last};
-  }
-  bool keeps(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
-    // A millionth of a millimetre: a border exactly at a centre keeps it, whatever the rounding.
-    constexpr double kRounding = 1e-6;
-    return std::all_of(all.begin(), all.end(), [&](const One& one) {
-      return one.at_origin + one.slope[0] * x + one.slope[1] * y + one.slope[2] * z <= kRounding;
-    });
-  }
-};
+/// Where along x from `row`'s start all are kept: an interval, as each side is affine.
+std::array<std::uint32_t, 2> along_x(const KeptVoxels& kept, std::uint32_t y, std::uint32_t z,
+                                     std::uint32_t size) {
+  // Asked voxel by voxel at the ends, so that rounding can never keep one that `keeps` does not.
+  std::uint32_t first = 0, last = size;
+  while (first < last && !kept.keeps(first, y, z)) ++first;
+  while (last > first && !kept.keeps(last - 1, y, z)) --last;
+  return {first, last};
+}
 
-HalfSpaces half_spaces(const Header& header, const Region& region) {
+}  // namespace
+
+KeptVoxels::KeptVoxels(const Header& header, std::span<const Region::Plane> planes) {
   std::array<Vector, 3> step{};
   Vector first{};
   for (std::size_t voxel = 0; voxel < 3; ++voxel) {
@@ -76,27 +69,36 @@ HalfSpaces half_spaces(const Header& header, const Region& region) {
       first[patient] += step[voxel][patient] * (0.5 - header.size[voxel] / 2.0);
     }
   }
-  HalfSpaces spaces;
-  const auto add = [&](const Vector& point, const Vector& normal) {
-    HalfSpaces::One one;
-    const double norm = length(normal);
-    for (std::size_t voxel = 0; voxel < 3; ++voxel)
-      one.slope[voxel] = dot(step[voxel], normal) / norm;
-    one.at_origin = (dot(first, normal) - dot(point, normal)) / norm;
-    spaces.all.push_back(one);
-  };
+  for (const Region::Plane& plane : planes) {
+    Side side;
+    const double norm = length(plane.normal);
+    for (std::size_t voxel = 0; voxel < 3; ++voxel) {
+      side.slope[voxel] = dot(step[voxel], plane.normal) / norm;
+    }
+    side.at_origin = (dot(first, plane.normal) - dot(plane.point, plane.normal)) / norm;
+    sides_.push_back(side);
+  }
+}
+
+bool KeptVoxels::keeps(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+  // A millionth of a millimetre: a border exactly at a centre keeps it, whatever the rounding.
+  constexpr double kRounding = 1e-6;
+  return std::all_of(sides_.begin(), sides_.end(), [&](const Side& side) {
+    return side.at_origin + side.slope[0] * x + side.slope[1] * y + side.slope[2] * z <= kRounding;
+  });
+}
+
+std::vector<Region::Plane> faces_of(const Vector& low, const Vector& high) {
+  std::vector<Region::Plane> faces;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     Vector normal{};
     normal[axis] = -1;
-    add(region.low, normal);
+    faces.push_back({low, normal});
     normal[axis] = 1;
-    add(region.high, normal);
+    faces.push_back({high, normal});
   }
-  for (const Region::Plane& plane : region.planes) add(plane.point, plane.normal);
-  return spaces;
+  return faces;
 }
-
-}  // namespace
 
 Result<Region> region_from_json(const std::string& text) {
   const json body = json::parse(text, nullptr, false);
@@ -135,12 +137,12 @@ std::string to_json(const Region& region) {
 
 Result<Cut> plan_cut(const Header& header, const Region& region) {
   if (auto ok = check(header); !ok) return tl::unexpected(ok.error());
-  const HalfSpaces spaces = half_spaces(header, region);
+  const KeptVoxels spaces = kept_by(header, region);
   std::array<std::uint32_t, 3> low = header.size, high{};
   Cut cut;
   for (std::uint32_t z = 0; z < header.size[2]; ++z) {
     for (std::uint32_t y = 0; y < header.size[1]; ++y) {
-      const auto [first, last] = spaces.along_x(y, z, header.size[0]);
+      const auto [first, last] = along_x(spaces, y, z, header.size[0]);
       if (first >= last) continue;
       cut.kept += last - first;
       const std::array<std::uint32_t, 3> begin{first, y, z}, end{last, y + 1, z + 1};
@@ -181,12 +183,12 @@ Header after(const Header& header, const Cut& cut) {
 
 void cut_slice(const Header& header, const Region& region, const Cut& cut, std::uint32_t slice,
                std::span<const std::int16_t> from, std::span<std::int16_t> to) {
-  const HalfSpaces spaces = half_spaces(header, region);
+  const KeptVoxels spaces = kept_by(header, region);
   std::fill(to.begin(), to.end(), cut.air);
   const std::uint32_t z = cut.low[2] + slice;
   for (std::uint32_t row = 0; row < cut.size[1]; ++row) {
     const std::uint32_t y = cut.low[1] + row;
-    const auto [first, last] = spaces.along_x(y, z, header.size[0]);
+    const auto [first, last] = along_x(spaces, y, z, header.size[0]);
     if (first >= last) continue;
     const auto source = from.begin() + std::ptrdiff_t{y} * header.size[0];
     std::copy(source + first, source + last,

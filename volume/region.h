@@ -35,6 +35,23 @@ inline constexpr std::uint32_t kLeastSide = 8;
 Result<Region> region_from_json(const std::string& text);
 std::string to_json(const Region& region);
 
+/// The voxels behind all of some planes, by their centres (a border exactly at a centre keeps it).
+class KeptVoxels {
+ public:
+  KeptVoxels(const Header& header, std::span<const Region::Plane> planes);
+  /// Not for a plane that is none: what has no number, or no normal, keeps nothing.
+  bool keeps(std::uint32_t x, std::uint32_t y, std::uint32_t z) const;
+
+ private:
+  struct Side {
+    Vector slope{};        // mm an index step
+    double at_origin = 0;  // mm, of the centre of voxel (0, 0, 0)
+  };
+  std::vector<Side> sides_;  // affine functions of an index; kept is what has none above 0
+};
+/// Of a box along the patient's axes.
+std::vector<Region::Plane> faces_of(const Vector& low, const Vector& high);
+
 /// Which voxels go. A voxel is kept when its centre lies within the region (its border included):
 /// at most half a voxel beyond the border is kept, and nothing further.
 struct Cut {

@@ -7,8 +7,6 @@
 namespace diaphane::volume {
 namespace {
 
-using Vector = std::array<double, 3>;
-
 // A direction of the stack: along which axis of the patient, and to which side.
 struct Way {
   std::size_t axis;
@@ -96,8 +94,12 @@ SliceStack plan_stack(const Header& header, Plane plane) {
   return stack;
 }
 
-Result<std::vector<std::int16_t>> slice_of(const Volume& volume, const SliceStack& stack,
-                                           std::uint32_t index) {
+namespace {
+
+// `kept`: null for all.
+Result<std::vector<std::int16_t>> read_slice(const Volume& volume, const SliceStack& stack,
+                                             std::uint32_t index, std::int16_t outside,
+                                             const KeptVoxels* kept) {
   if (index >= stack.slices) return fail(ErrorCode::kInvalid, "There is no such slice.", "index");
   const Header& header = volume.header;
   const auto axes = axes_of(header);
@@ -115,9 +117,6 @@ Result<std::vector<std::int16_t>> slice_of(const Volume& volume, const SliceStac
   const Vector down = in_voxels(stack.down);
   const Vector next = in_voxels(stack.next);
 
-  const auto outside = static_cast<std::int16_t>(
-      std::clamp(header.minimum, std::int32_t{std::numeric_limits<std::int16_t>::min()},
-                 std::int32_t{std::numeric_limits<std::int16_t>::max()}));
   std::vector<std::int16_t> values(stack.pixels(), outside);
   auto value = values.begin();
   for (std::uint32_t row = 0; row < stack.rows; ++row) {
@@ -133,11 +132,31 @@ Result<std::vector<std::int16_t>> slice_of(const Volume& volume, const SliceStac
         inside = inside && voxel[a] >= 0 && voxel[a] < std::int64_t{header.size[a]};
       }
       if (!inside) continue;
+      if (kept &&
+          !kept->keeps(static_cast<std::uint32_t>(voxel[0]), static_cast<std::uint32_t>(voxel[1]),
+                       static_cast<std::uint32_t>(voxel[2]))) {
+        continue;
+      }
       *value = volume.voxels[static_cast<std::size_t>(
           voxel[0] + header.size[0] * (voxel[1] + header.size[1] * voxel[2]))];
     }
   }
   return values;
+}
+
+}  // namespace
+
+Result<std::vector<std::int16_t>> slice_of(const Volume& volume, const SliceStack& stack,
+                                           std::uint32_t index) {
+  const auto outside = static_cast<std::int16_t>(
+      std::clamp(volume.header.minimum, std::int32_t{std::numeric_limits<std::int16_t>::min()},
+                 std::int32_t{std::numeric_limits<std::int16_t>::max()}));
+  return read_slice(volume, stack, index, outside, nullptr);
+}
+
+Result<std::vector<std::int16_t>> clipped_slice_of(const Volume& volume, const SliceStack& stack,
+                                                   std::uint32_t index, const KeptVoxels& kept) {
+  return read_slice(volume, stack, index, kBlank, &kept);
 }
 
 }  // namespace diaphane::volume

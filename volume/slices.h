@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "volume/region.h"
 #include "volume/volume.h"
 
 namespace diaphane::volume {
@@ -43,5 +44,11 @@ SliceStack plan_stack(const Header& header, Plane plane);
 /// interpolation. kInvalid: there is no such slice. Precondition: the stack is this volume's.
 Result<std::vector<std::int16_t>> slice_of(const Volume& volume, const SliceStack& stack,
                                            std::uint32_t index);
+
+/// The value of every pixel of a clipped slice that shows nothing. No voxel's value is told by it.
+inline constexpr std::int16_t kBlank = -32768;
+/// The same of the kept voxels alone; all other pixels are kBlank, those outside of the volume too.
+Result<std::vector<std::int16_t>> clipped_slice_of(const Volume& volume, const SliceStack& stack,
+                                                   std::uint32_t index, const KeptVoxels& kept);
 
 }  // namespace diaphane::volume

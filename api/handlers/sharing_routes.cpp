@@ -19,7 +19,8 @@ nlohmann::ordered_json to_json(const SharedPerson& person) {
 nlohmann::ordered_json to_json(const DataSetLink& link) {
   return {{"id", link.id},
           {"created_at", rfc3339(link.created_at)},
-          {"expires_at", rfc3339(link.expires_at)}};
+          {"expires_at", rfc3339(link.expires_at)},
+          {"slices", link.slices}};
 }
 
 template <typename Item>
@@ -100,8 +101,9 @@ std::vector<Route> link_routes(Sharing& sharing, const Front& front) {
     if (!once) return tl::unexpected(once.error());
     Fields in(request);
     const std::chrono::hours life(in.integer("hours", 1, kLongestLink));
+    const bool slices = in.optional_boolean("slices").value_or(false);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto made = sharing.make_link(who, request.parameter("data_set_id"), life, *once);
+    const auto made = sharing.make_link(who, request.parameter("data_set_id"), life, slices, *once);
     if (!made) return tl::unexpected(made.error());
     auto body = to_json(made->link);
     body["token"] = made->token;
@@ -131,10 +133,11 @@ std::vector<Route> sharing_routes(Sharing& sharing, const Front& front) {
   const auto show = [&sharing](const Request& request, const Principal& who) -> Outcome<Response> {
     Fields in(request);
     const std::string visibility = in.choice("visibility", kVisibilities);
+    const bool slices = in.optional_boolean("slices").value_or(false);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const std::string& id = request.parameter("data_set_id");
     const auto changed =
-        visibility == "public" ? sharing.publish(who, id) : sharing.make_private(who, id);
+        visibility == "public" ? sharing.publish(who, id, slices) : sharing.make_private(who, id);
     if (!changed) return tl::unexpected(changed.error());
     return json_response(200, api::to_json(*changed));
   };

@@ -24,7 +24,8 @@ const char* const kSelectDataSet = R"sql(
          (extract(epoch FROM d.anonymised_at) * 1000000)::bigint,
          CASE WHEN r.role = 'owner' THEN (SELECT count(*) FROM data_set_people p WHERE p.data_set_id = d.id) ELSE 0 END,
          CASE WHEN r.role = 'owner' THEN (SELECT count(*) FROM data_set_links l WHERE l.data_set_id = d.id AND l.expires_at > now()) ELSE 0 END,
-         CASE WHEN r.role = 'owner' AND d.state = 'queued' THEN COALESCE(j.waiting_for, '') ELSE '' END
+         CASE WHEN r.role = 'owner' AND d.state = 'queued' THEN COALESCE(j.waiting_for, '') ELSE '' END,
+         d.public_slices
     FROM data_sets d
     LEFT JOIN ingest_jobs j ON j.data_set_id = d.id
     LEFT JOIN uploads u ON u.data_set_id = d.id
@@ -100,6 +101,7 @@ DataSet read_data_set(const pqxx::row& row) {
   d.people = row[29].as<int>();
   d.links = row[30].as<int>();
   d.waiting_for = row[31].as<std::string>();
+  d.public_slices = row[32].as<bool>();
   return d;
 }
 

@@ -79,14 +79,14 @@ Result<std::vector<DataSetLink>> SharingRepository::links(const std::string& dat
     const pqxx::result rows = transaction.exec_params(
         R"sql(
         SELECT id, (extract(epoch FROM created_at) * 1000000)::bigint,
-               (extract(epoch FROM expires_at) * 1000000)::bigint
+               (extract(epoch FROM expires_at) * 1000000)::bigint, slices
           FROM data_set_links WHERE data_set_id = $1 AND expires_at > to_timestamp($2::bigint / 1e6)
          ORDER BY created_at, id)sql",
         data_set_id, to_us(now));
     std::vector<DataSetLink> found;
     for (const pqxx::row& row : rows) {
       found.push_back({row[0].as<std::string>(), from_us(row[1].as<std::int64_t>()),
-                       from_us(row[2].as<std::int64_t>())});
+                       from_us(row[2].as<std::int64_t>()), row[3].as<bool>()});
     }
     return found;
   });
@@ -102,12 +102,12 @@ Result<std::variant<DataSetLink, KeyReused>> SharingRepository::make_link(
       const pqxx::result there = transaction.exec_params(
           R"sql(
           SELECT id, (extract(epoch FROM created_at) * 1000000)::bigint,
-                 (extract(epoch FROM expires_at) * 1000000)::bigint
+                 (extract(epoch FROM expires_at) * 1000000)::bigint, slices
             FROM data_set_links WHERE id = $1 AND token_hash = $2)sql",
           std::get<Created>(*before).id, token_hash);
       if (there.empty()) return fail(ErrorCode::kConflict, "It cannot be shown again.");
       return DataSetLink{there[0][0].as<std::string>(), from_us(there[0][1].as<std::int64_t>()),
-                         from_us(there[0][2].as<std::int64_t>())};
+                         from_us(there[0][2].as<std::int64_t>()), there[0][3].as<bool>()};
     }
     if (!lock_data_set(transaction, data_set_id)) return none("There is no such data set.");
     const auto count = transaction.exec_params1(
@@ -120,10 +120,11 @@ Result<std::variant<DataSetLink, KeyReused>> SharingRepository::make_link(
     // A key that was forgotten since makes the token of the link that it made then.
     const pqxx::result made = transaction.exec_params(
         R"sql(
-        INSERT INTO data_set_links (id, data_set_id, token_hash, created_at, expires_at)
-        VALUES ($1, $2, $3, to_timestamp($4::bigint / 1e6), to_timestamp($5::bigint / 1e6))
+        INSERT INTO data_set_links (id, data_set_id, token_hash, created_at, expires_at, slices)
+        VALUES ($1, $2, $3, to_timestamp($4::bigint / 1e6), to_timestamp($5::bigint / 1e6), $6)
         ON CONFLICT (token_hash) DO NOTHING RETURNING 1)sql",
-        link.id, data_set_id, token_hash, to_us(link.created_at), to_us(link.expires_at));
+        link.id, data_set_id, token_hash, to_us(link.created_at), to_us(link.expires_at),
+        link.slices);
     if (made.empty()) return fail(ErrorCode::kConflict, "It cannot be made again.");
     note_made(transaction, owner_id, key, link.id, link.created_at);
     return link;
@@ -146,7 +147,7 @@ Result<SharingStore::Followed> SharingRepository::follow(const std::string& toke
     const pqxx::result rows = transaction.exec_params(
         R"sql(
         SELECT l.id, (extract(epoch FROM l.created_at) * 1000000)::bigint,
-               (extract(epoch FROM l.expires_at) * 1000000)::bigint, d.id, d.owner_id
+               (extract(epoch FROM l.expires_at) * 1000000)::bigint, d.id, d.owner_id, l.slices
           FROM data_set_links l JOIN data_sets d ON d.id = l.data_set_id
          WHERE l.token_hash = $1 AND l.expires_at > to_timestamp($2::bigint / 1e6)
            AND d.state = 'ready' AND d.taken_down_at IS NULL)sql",
@@ -157,23 +158,23 @@ Result<SharingStore::Followed> SharingRepository::follow(const std::string& toke
                                 false, false, rows[0][3].as<std::string>());
     if (data_set.empty()) return none("There is no such link.");
     Followed followed{{rows[0][0].as<std::string>(), from_us(rows[0][1].as<std::int64_t>()),
-                       from_us(rows[0][2].as<std::int64_t>())},
+                       from_us(rows[0][2].as<std::int64_t>()), rows[0][5].as<bool>()},
                       read_data_set(data_set[0])};
     followed.data_set.role = Role::kSharedView;
     return followed;
   });
 }
 
-Result<bool> SharingRepository::publish(const std::string& data_set_id, Time now) {
+Result<bool> SharingRepository::publish(const std::string& data_set_id, bool slices, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<bool> {
     const pqxx::result done = transaction.exec_params(
         R"sql(
         UPDATE data_sets
            SET visibility = 'public', published_at = COALESCE(published_at, to_timestamp($2::bigint / 1e6)),
-               updated_at = to_timestamp($2::bigint / 1e6)
+               updated_at = to_timestamp($2::bigint / 1e6), public_slices = $3
          WHERE id = $1 AND state = 'ready' AND anonymised_at IS NOT NULL AND taken_down_at IS NULL
         RETURNING 1)sql",
-        data_set_id, to_us(now));
+        data_set_id, to_us(now), slices);
     return !done.empty();
   });
 }
@@ -181,7 +182,7 @@ Result<bool> SharingRepository::publish(const std::string& data_set_id, Time now
 Result<void> SharingRepository::make_private(const std::string& data_set_id, Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<void> {
     transaction.exec_params0(R"sql(
-        UPDATE data_sets SET visibility = 'private', published_at = NULL,
+        UPDATE data_sets SET visibility = 'private', published_at = NULL, public_slices = false,
                              updated_at = to_timestamp($2::bigint / 1e6)
          WHERE id = $1 AND NOT is_sample AND visibility = 'public')sql",
                              data_set_id, to_us(now));

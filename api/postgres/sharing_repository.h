@@ -20,7 +20,7 @@ class SharingRepository final : public SharingStore {
       int most, const std::string& owner_id, const std::optional<IdempotencyKey>& key) override;
   Result<void> end_link(const std::string& data_set_id, const std::string& link_id) override;
   Result<Followed> follow(const std::string& token_hash, Time now) override;
-  Result<bool> publish(const std::string& data_set_id, Time now) override;
+  Result<bool> publish(const std::string& data_set_id, bool slices, Time now) override;
   Result<void> make_private(const std::string& data_set_id, Time now) override;
   Result<std::vector<DataSet>> gallery(const Viewer& viewer,
                                        const GalleryQuestion& question) override;

@@ -2,17 +2,18 @@
 --
 -- ARGV: ticket, reservation ms, session s
 -- Returns {"attach", session, user, data set, worker, address, incarnation, placement, scene, input seq, width,
--- height, presenter, participant, name, link}, or {why}: "unknown" (ticket), "gone" (session), "worker_lost" (ask for a new ticket).
+-- height, presenter, participant, name, link, viewer, slices, guest slices}, or {why}: "unknown" (ticket), "gone" (session), "worker_lost" (ask for a new ticket).
 
 local ticket_key = 'diaphane:ticket:' .. ARGV[1]
-local ticket = redis.call('HMGET', ticket_key, 'session', 'user', 'participant', 'name', 'link')
+local ticket = redis.call('HMGET', ticket_key, 'session', 'user', 'participant', 'name', 'link', 'viewer',
+                          'slices')
 redis.call('DEL', ticket_key)
 if not ticket[1] then return {'unknown'} end
 
 local session = ticket[1]
 local session_key = 'diaphane:session:' .. session
 local s = redis.call('HMGET', session_key, 'user', 'data_set', 'worker', 'incarnation', 'placement', 'scene',
-                     'input_seq', 'width', 'height', 'presenter')
+                     'input_seq', 'width', 'height', 'presenter', 'guest_slices')
 if not s[1] or s[1] ~= ticket[2] then return {'gone'} end
 
 local worker = s[3]
@@ -35,4 +36,5 @@ redis.call('HSET', session_key, 'reserved_until', until_ms)
 redis.call('EXPIRE', session_key, tonumber(ARGV[3]))
 
 return {'attach', session, s[1], s[2], worker, w[1], w[2], s[5] or '0', s[6] or '', s[7] or '0', s[8] or '0',
-        s[9] or '0', s[10] or '', ticket[3] or '', ticket[4] or '', ticket[5] or ''}
+        s[9] or '0', s[10] or '', ticket[3] or '', ticket[4] or '', ticket[5] or '', ticket[6] or '', ticket[7] or '',
+        s[11] or ''}

@@ -5,7 +5,8 @@
 --       then of a guest, or empty of the owner: participant, name, hash of the link;
 --       what a session that is new shows first (a serialised Scene), or empty;
 --       the fleet that is to grow for who finds no place, or empty;
---       the sign-in (browser) that asks on the owner's behalf, or empty of guests and visitors
+--       the sign-in (browser) that asks on the owner's behalf, or empty of guests and visitors;
+--       what the ticket's holder is to the scan (SessionViewer), and whether its owner lets them have slices (1 or 0)
 -- Returns {"placed", worker, placement}, or {why}: "signed_out", "not_yours", "too_many", "no_worker", "full", "no_memory".
 -- Nothing is written unless it is placed, but that it was not. The keys of workers are not known beforehand, so none are declared: this wants
 -- one Redis, not a Redis Cluster.
@@ -185,6 +186,6 @@ end
 
 local ticket_key = 'diaphane:ticket:' .. ticket
 redis.call('HSET', ticket_key, 'session', session, 'user', user, 'participant', ARGV[11], 'name', ARGV[12],
-           'link', ARGV[13])
+           'link', ARGV[13], 'viewer', ARGV[17], 'slices', ARGV[18])
 redis.call('EXPIRE', ticket_key, ticket_s)
 return {'placed', chosen.id, tostring(placement)}

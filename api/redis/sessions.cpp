@@ -55,10 +55,12 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
   const std::string session_s = std::to_string(limits_.session_s);
   const std::string placed = std::to_string(limits_.placed);
   const std::string remembered = std::to_string(limits_.remembered);
-  const Result<Reply> reply = client_.run(
-      kPlace, {request.session_id, request.user_id, request.data_set_id, ticket, kProtocolEpoch,
-               reservation, ticket_s, session_s, placed, remembered, request.participant,
-               request.name, request.link, request.first_scene, fleet_, request.browser});
+  const Result<Reply> reply =
+      client_.run(kPlace, {request.session_id, request.user_id, request.data_set_id, ticket,
+                           kProtocolEpoch, reservation, ticket_s, session_s, placed, remembered,
+                           request.participant, request.name, request.link, request.first_scene,
+                           fleet_, request.browser, to_string(request.viewer),
+                           request.slices ? "1" : "0"});
   if (!reply) return tl::unexpected(reply.error());
   const std::string& what = reply->at(0);
   if (what == "placed") {
@@ -177,6 +179,9 @@ Result<Attachment> Sessions::consume(std::string_view ticket) {
     found.participant = reply->at(13);
     found.name = reply->at(14);
     found.link = reply->at(15);
+    found.viewer = session_viewer_of(reply->at(16));
+    found.slices = reply->at(17) == "1";
+    found.guest_slices = reply->at(18) == "1";
     return found;
   }
   if (what == "unknown") {

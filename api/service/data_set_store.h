@@ -51,7 +51,8 @@ struct DataSet {
   Role role = Role::kNobody;  ///< of the one who asked
   bool is_public = false;     ///< samples too
   bool is_sample = false;
-  bool taken_down = false;  ///< by an administrator
+  bool public_slices = false;  ///< while it is public, whoever looks may have exact slices
+  bool taken_down = false;     ///< by an administrator
   std::string taken_down_reason;
   std::string owner_name;     ///< chosen by the owner, or empty
   int people = 0, links = 0;  ///< it is shared with; told to the owner
@@ -71,6 +72,8 @@ struct DataSet {
   Time updated_at;
 
   bool owned() const { return role == Role::kOwner; }
+  /// A sample is everybody's; of what a person made public it is that person who says.
+  bool slices_for_everybody() const { return is_sample || (is_public && public_slices); }
   Exposure exposure() const {
     if (taken_down) return Exposure::kTakenDown;
     if (is_sample) return Exposure::kSample;

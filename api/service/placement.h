@@ -19,6 +19,21 @@ struct SessionInfo {
   std::string worker_id;  ///< where it was placed last
 };
 
+/// What somebody who opens or joins a session is to its scan: the worker gives them rights by it
+/// (renderd/session/rights.h).
+enum class SessionViewer {
+  kGuest,          ///< by a link into the session; has the least rights
+  kOwner,          ///< of the scan
+  kShared,         ///< an account that the scan is shared with
+  kPublic,         ///< an account that looks at a public scan of somebody else
+  kLinkVisitor,    ///< without an account, by a link to the scan
+  kSampleVisitor,  ///< without an account, at a sample
+};
+/// "guest", "owner", "shared", "public", "link-visitor", "sample-visitor"; of any other text
+/// kGuest.
+std::string_view to_string(SessionViewer viewer);
+SessionViewer session_viewer_of(std::string_view text);
+
 struct PlaceRequest {
   std::string
       session_id;  ///< new, or one of this user's: then it is placed again if its worker has gone
@@ -33,6 +48,9 @@ struct PlaceRequest {
   std::string first_scene = {};
   /// The owner's sign-in that asks (WebSession::id); empty of guests and visitors.
   std::string browser = {};
+  SessionViewer viewer = SessionViewer::kGuest;  ///< the ticket's holder
+  /// Of kPublic and of visitors: the scan's owner lets them have exact slices.
+  bool slices = false;
 };
 
 /// Where the session is now and a fresh ticket for one connection to it.
@@ -86,6 +104,9 @@ struct Attachment {
   std::uint32_t width = 0, height = 0;  ///< last known viewport; 0: none yet
   std::string presenter;                ///< last known, participant; empty: the owner
   std::string participant, name, link;  ///< of a guest, as in PlaceRequest
+  SessionViewer viewer = SessionViewer::kGuest;
+  bool slices = false;
+  bool guest_slices = false;  ///< last known: the session's guests may have exact slices
 };
 
 /// The gateway's side of a ticket. Thread-safe.

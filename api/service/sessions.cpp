@@ -10,17 +10,31 @@ tl::unexpected<Problem> no_such_session() {
   return refuse(ProblemKind::kNotFound, "There is no such session.");
 }
 
+SessionViewer viewer_of(Role role) {
+  switch (role) {
+    case Role::kOwner:
+      return SessionViewer::kOwner;
+    case Role::kSharedView:
+    case Role::kSharedEdit:
+      return SessionViewer::kShared;
+    default:
+      return SessionViewer::kPublic;
+  }
+}
+
 }  // namespace
 
 Outcome<Sessions::Stream> Sessions::place(const Principal& who, const std::string& session_id,
-                                          const std::string& data_set_id) {
-  PlaceRequest request{session_id, who.user_id, data_set_id};
-  request.first_scene = first_scene_(data_set_id);
+                                          const DataSet& data_set) {
+  PlaceRequest request{session_id, who.user_id, data_set.id};
+  request.first_scene = first_scene_(data_set.id);
+  request.viewer = viewer_of(data_set.role);
+  request.slices = data_set.slices_for_everybody();
   request.browser = who.session_id;
   const auto placed = placement_.place(request);
   if (placed) {
     // Taken away while it was placed: whoever took it may not have seen this session.
-    if (auto still = data_sets_.find_ready(who, data_set_id); !still) {
+    if (auto still = data_sets_.find_ready(who, data_set.id); !still) {
       (void)placement_.end(session_id);
       return tl::unexpected(still.error());
     }
@@ -44,7 +58,7 @@ Outcome<Sessions::Stream> Sessions::open(const Principal& who, const std::string
   const auto data_set = data_sets_.find_ready(who, data_set_id);
   if (!data_set) return tl::unexpected(data_set.error());
   if (auto may = render_time_.may_open(who); !may) return tl::unexpected(may.error());
-  if (idempotency_key.empty()) return place(who, new_id(), data_set_id);
+  if (idempotency_key.empty()) return place(who, new_id(), *data_set);
 
   // The key makes the session's id, and placing the same id again is idempotent.
   const std::string id = id_from("session\n" + who.user_id + "\n" + idempotency_key);
@@ -54,7 +68,7 @@ Outcome<Sessions::Stream> Sessions::open(const Principal& who, const std::string
                   "This Idempotency-Key came before with another request.");
   }
   if (!known && known.error().code != ErrorCode::kNotFound) return refuse(known.error());
-  return place(who, id, data_set_id);
+  return place(who, id, *data_set);
 }
 
 Outcome<std::vector<SessionInfo>> Sessions::list(const Principal& who) {
@@ -82,12 +96,13 @@ Outcome<Sessions::Stream> Sessions::ticket(const Principal& who, const std::stri
   const auto session = find(who, id);
   if (!session) return tl::unexpected(session.error());
   // It may have been deleted, or taken from the public ones, since the session was opened.
-  if (auto data_set = data_sets_.find_ready(who, session->data_set_id); !data_set) {
+  const auto data_set = data_sets_.find_ready(who, session->data_set_id);
+  if (!data_set) {
     if (data_set.error().kind == ProblemKind::kNotFound) return no_such_session();
     return tl::unexpected(data_set.error());
   }
   if (auto may = render_time_.may_go_on(who); !may) return tl::unexpected(may.error());
-  return place(who, id, session->data_set_id);
+  return place(who, id, *data_set);
 }
 
 }  // namespace diaphane::api

@@ -40,7 +40,7 @@ class Sessions {
 
  private:
   Outcome<Stream> place(const Principal& who, const std::string& session_id,
-                        const std::string& data_set_id);
+                        const DataSet& data_set);
 
   DataSets& data_sets_;
   Placement& placement_;

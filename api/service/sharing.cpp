@@ -94,16 +94,18 @@ Outcome<std::vector<DataSetLink>> Sharing::links(const Principal& who, const std
 }
 
 Outcome<Sharing::NewLink> Sharing::make_link(const Principal& who, const std::string& id,
-                                             std::chrono::hours life, const Once& once) {
+                                             std::chrono::hours life, bool slices,
+                                             const Once& once) {
   if (auto mine = parts_.data_sets.authorise(who, id, Action::kShare); !mine) {
     return tl::unexpected(mine.error());
   }
   const auto now = parts_.clock.wall();
-  const NewLink wanted{{new_id(), now, now + life}, token_for("link\n" + id, once)};
+  const NewLink wanted{{new_id(), now, now + life, slices}, token_for("link\n" + id, once)};
   std::optional<IdempotencyKey> key;
   if (!once.key.empty()) {
-    key = IdempotencyKey{"createDataSetLink", once.key,
-                         blake2b(id + "\n" + std::to_string(life.count()))};
+    key = IdempotencyKey{
+        "createDataSetLink", once.key,
+        blake2b(id + "\n" + std::to_string(life.count()) + (slices ? "\nslices" : ""))};
   }
   const auto made = parts_.store.make_link(id, wanted.link, blake2b(wanted.token), options_.links,
                                            who.user_id, key);
@@ -133,19 +135,20 @@ Outcome<void> Sharing::end_link(const Principal& who, const std::string& id,
   return {};
 }
 
-Outcome<DataSet> Sharing::publish(const Principal& who, const std::string& id) {
+Outcome<DataSet> Sharing::publish(const Principal& who, const std::string& id, bool slices) {
   const auto mine = parts_.data_sets.authorise(who, id, Action::kPublish);
   if (!mine) return mine;
   if (mine->state != DataSetState::kReady) {
     return refuse(ProblemKind::kNotReady, "Only what is built can be made public.");
   }
-  const auto done = parts_.store.publish(id, parts_.clock.wall());
+  const auto done = parts_.store.publish(id, slices, parts_.clock.wall());
   if (!done) return refuse(done.error());
   if (!*done) {
     return refuse(ProblemKind::kNotAnonymised,
                   "Before a scan becomes public, cut away what could show who it is, and confirm "
                   "it.");
   }
+  if (mine->slices_for_everybody() && !slices) end_public_sessions(id);
   return parts_.data_sets.find(who, id);
 }
 
@@ -211,6 +214,21 @@ void Sharing::end_lost_sessions(const std::string& id) {
   }
 }
 
+void Sharing::end_public_sessions(const std::string& id) {
+  const auto failed = [&] { log::warning("sessions not ended", {{"data_set", id}}); };
+  const auto sessions = parts_.placement.sessions_on(id);
+  if (!sessions) return failed();
+  for (const SessionInfo& session : *sessions) {
+    Principal person;
+    person.user_id = session.user_id;
+    const auto data_set = parts_.data_sets.find_ready(person, id);
+    // Who has it in another way keeps the session: the owner, people it is shared with, visitors.
+    if (data_set && data_set->role != Role::kOther) continue;
+    if (parts_.store.find_visit(session.id, parts_.clock.wall())) continue;
+    if (!parts_.placement.end(session.id)) failed();
+  }
+}
+
 Outcome<SharingStore::Followed> Visits::follow(const std::string& token) {
   if (!is_token(token)) return no_such_link();
   auto found = parts_.store.follow(blake2b(token), parts_.clock.wall());
@@ -224,6 +242,7 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   const auto now = parts_.clock.wall();
   const std::string visitor = id_from("visitor\n" + key);
   Visit visit;
+  bool slices = true;  // a sample is everybody's
   if (token.empty()) {
     const auto sample = parts_.data_sets.find_ready(Principal{}, data_set_id);
     if (!sample) return tl::unexpected(sample.error());
@@ -234,6 +253,7 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
     if (!followed) return tl::unexpected(followed.error());
     visit.data_set_id = followed->data_set.id;
     visit.link_id = followed->link.id;
+    slices = followed->link.slices;
     visit.expires_at = std::min(followed->link.expires_at, Time(now + options_.link_life));
   }
   // With the link: another link with the same key is another visit.
@@ -258,6 +278,8 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   if (!noted) return refuse(noted.error());
   PlaceRequest request{visit.session_id, visitor, visit.data_set_id};
   request.first_scene = first_scene_(visit.data_set_id);
+  request.viewer = token.empty() ? SessionViewer::kSampleVisitor : SessionViewer::kLinkVisitor;
+  request.slices = slices;
   const auto placed = parts_.placement.place(request);
   if (!placed && placed.error().code == ErrorCode::kUnavailable && parts_.placement.reachable()) {
     return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));

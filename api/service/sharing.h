@@ -55,11 +55,12 @@ class Sharing {
   /// The same key gives the same link and token again, in the browser that made it; kConflict when
   /// it was ended or in another. kTooMany, kIdempotencyKeyReused.
   Outcome<NewLink> make_link(const Principal& who, const std::string& id, std::chrono::hours life,
-                             const Once& once);
+                             bool slices, const Once& once);
   Outcome<void> end_link(const Principal& who, const std::string& id, const std::string& link_id);
 
-  /// kConflict ("anonymise first") without the owner's confirmed act; kNotReady.
-  Outcome<DataSet> publish(const Principal& who, const std::string& id);
+  /// kConflict ("anonymise first") without the owner's confirmed act; kNotReady. Without `slices`
+  /// the sessions of those who had them end.
+  Outcome<DataSet> publish(const Principal& who, const std::string& id, bool slices);
   Outcome<DataSet> make_private(const Principal& who, const std::string& id);
   /// Of what everybody sees, newest first; to nobody samples alone.
   Outcome<Page> gallery(const Principal& who, GalleryQuestion question);
@@ -74,6 +75,9 @@ class Sharing {
   void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
 
  private:
+  /// Of those who see the data set only because it is public.
+  void end_public_sessions(const std::string& id);
+
   SharingParts parts_;
   Options options_;
   std::function<void()> wake_mailer_ = [] {};

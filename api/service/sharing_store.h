@@ -23,6 +23,7 @@ struct DataSetLink {
   std::string id;
   Time created_at;
   Time expires_at;
+  bool slices = false;  ///< who comes by it may have exact slices
 };
 
 struct GalleryQuestion {
@@ -71,8 +72,9 @@ class SharingStore {
   /// kNotFound: no such link, expired, or its data set is shown to nobody.
   virtual Result<Followed> follow(const std::string& token_hash, Time now) = 0;
 
-  /// False: it is not anonymised, not built, or taken down.
-  virtual Result<bool> publish(const std::string& data_set_id, Time now) = 0;
+  /// `slices`: whoever looks may have exact slices; also of one that is public already. False: it
+  /// is not anonymised, not built, or taken down.
+  virtual Result<bool> publish(const std::string& data_set_id, bool slices, Time now) = 0;
   virtual Result<void> make_private(const std::string& data_set_id, Time now) = 0;
   virtual Result<std::vector<DataSet>> gallery(const Viewer& viewer,
                                                const GalleryQuestion& question) = 0;

@@ -6,6 +6,28 @@ namespace diaphane::api::stream {
 
 namespace v1 = diaphane::v1;
 
+namespace {
+
+v1::Viewer to_proto(SessionViewer viewer) {
+  switch (viewer) {
+    case SessionViewer::kOwner:
+      return v1::VIEWER_OWNER;
+    case SessionViewer::kShared:
+      return v1::VIEWER_SHARED;
+    case SessionViewer::kPublic:
+      return v1::VIEWER_PUBLIC;
+    case SessionViewer::kLinkVisitor:
+      return v1::VIEWER_LINK_VISITOR;
+    case SessionViewer::kSampleVisitor:
+      return v1::VIEWER_SAMPLE_VISITOR;
+    case SessionViewer::kGuest:
+      break;
+  }
+  return v1::VIEWER_LIVE_GUEST;
+}
+
+}  // namespace
+
 std::shared_ptr<WorkerLink> WorkerLink::open(const std::shared_ptr<grpc::Channel>& channel,
                                              const Attachment& attachment,
                                              std::weak_ptr<LinkEvents> events) {
@@ -32,6 +54,9 @@ std::shared_ptr<WorkerLink> WorkerLink::open(const std::shared_ptr<grpc::Channel
   open.set_presenter(attachment.presenter);
   open.set_user_id(attachment.session.user_id);
   open.set_link(attachment.link);
+  open.set_viewer(to_proto(attachment.viewer));
+  open.set_slices(attachment.slices);
+  open.set_guest_slices(attachment.guest_slices);
   link->self_ = link;
   link->reading_ = true;
   link->writing_ = true;

@@ -3,6 +3,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <set>
 
@@ -18,12 +19,32 @@ namespace {
 // old one can pass for a new one.
 std::uint64_t first_epoch(std::uint64_t placement) { return placement << 24; }
 
-v1::VolumeHeader to_proto(const volume::Header& header) {
+// What a guest's page needs of the header, and nothing that tells of voxels which are not shown: as
+// range of values it gets the one that the scene gives colours to.
+void withhold(v1::VolumeHeader& header, const v1::Scene& scene) {
+  header.clear_percentiles();
+  header.clear_minimum();
+  header.clear_maximum();
+  bool first = true;
+  for (const v1::Channel& channel : scene.transfer_function().channels()) {
+    for (const v1::OpacityPoint& point : channel.opacity()) {
+      const auto value = static_cast<std::int32_t>(std::lround(point.value()));
+      header.set_minimum(first ? value : std::min(header.minimum(), value));
+      header.set_maximum(first ? value : std::max(header.maximum(), value));
+      first = false;
+    }
+  }
+}
+
+v1::VolumeHeader header_for(ViewerKind viewer, const volume::Header& header,
+                            const v1::Scene& scene) {
   v1::VolumeHeader message;
   // The JSON form is the one description of the header; this is done once a connection.
   if (const auto json = volume::to_json(header)) {
     (void)google::protobuf::util::JsonStringToMessage(*json, &message);
   }
+  if (viewer != ViewerKind::kOwner && viewer != ViewerKind::kShared) message.clear_content_hash();
+  if (viewer == ViewerKind::kGuest) withhold(message, scene);
   return message;
 }
 
@@ -49,6 +70,7 @@ LiveSession::LiveSession(SessionParts parts, Start start, std::function<void(con
   state_.wanted.input_seq = start.input_seq;
   state_.wanted.version = 1;
   state_.camera_only = start.camera_only;
+  state_.audience.guest_slices = start.guest_slices;
   if (!start.presenter.empty()) state_.audience.presenter = std::move(start.presenter);
   state_.codecs.clear();
   for (const v1::Codec codec : {v1::H264, v1::JPEG, v1::MPEG1}) {
@@ -98,6 +120,7 @@ void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volum
   for (const Receiver& receiver : state_.audience.receivers) {
     if (receiver.greeted) send_config(receiver.connection);
   }
+  lead_branches();
   tell_audience();
 }
 
@@ -110,6 +133,11 @@ void LiveSession::receive(std::uint64_t connection, const std::string& bytes) {
     finish_link(connection,
                 {ErrorCode::kInvalid, "The page sent something that is no message.", {}}, true);
     return leave(connection);
+  }
+  if (auto refused = refused_request(state_, connection, message)) {
+    Outcome outcome;
+    outcome.problem = std::move(*refused);
+    return carry_out(outcome, connection, lock);
   }
   if (message.has_slices()) {
     lock.unlock();
@@ -250,7 +278,8 @@ LiveSession::Saved LiveSession::saved() const {
                state_.wanted.scene->SerializeAsString(),
                state_.wanted.input_seq,
                state_.wanted.viewport,
-               state_.audience.presenter};
+               state_.audience.presenter,
+               state_.audience.guest_slices};
 }
 
 std::optional<LiveSession::Saved> LiveSession::take_unsaved() {
@@ -336,8 +365,11 @@ void LiveSession::send_config(std::uint64_t connection) {
   config.set_codec(receiver->codec);
   config.set_engine(engine.engine);
   config.set_device(engine.device);
-  *config.mutable_volume() = to_proto(volume_->header());
-  if (auto histogram = parts_.facts.of(*volume_).histogram; histogram.counts_size() > 0) {
+  *config.mutable_volume() =
+      header_for(receiver->viewer, volume_->header(),
+                 state_.wanted.scene ? *state_.wanted.scene : v1::Scene::default_instance());
+  if (auto histogram = parts_.facts.of(*volume_).histogram;
+      histogram.counts_size() > 0 && receiver->viewer != ViewerKind::kGuest) {
     *config.mutable_histogram() = std::move(histogram);
   }
   for (const volume::SliceStack& stack : *stacks_) *config.add_slice_stacks() = to_proto(stack);
@@ -394,6 +426,7 @@ void LiveSession::carry_out(const Outcome& outcome, std::uint64_t connection,
     }
   }
   lead_branches();
+  tell_stale_slices();
   if (outcome.audience) tell_audience();
   if (outcome.presenter) {
     const Receiver* presenter = state_.audience.of(state_.audience.presenter);

@@ -85,6 +85,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
     std::string user_id;       ///< whose session it is
     std::string charged_to;    ///< whose render time it takes: user; empty: nobody's
     bool camera_only = false;  ///< of a follower with a camera of his own
+    bool guest_slices = false;
   };
   /// What a lost worker's successor needs, as it goes to Redis.
   struct Saved {
@@ -94,6 +95,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
     std::uint64_t input_seq = 0;
     Canvas viewport;
     std::string presenter;  ///< participant
+    bool guest_slices = false;
   };
   /// What Redis needs beyond that when it has lost everything.
   struct Lost {
@@ -168,7 +170,14 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void receive_slices(std::uint64_t connection, const diaphane::v1::SlicesWanted& wanted);
   void voxels_ready(Result<VolumeCache::Handle> loaded);
   void send_slices(std::uint64_t connection);
-  void slice_coded(std::uint64_t connection, const SliceDue& due, Result<std::string> coded);
+  /// A slice on its way, and what of it was shown: null for the whole.
+  struct SliceOrder {
+    SliceDue due;
+    std::optional<diaphane::v1::Clip> clip;
+  };
+  void slice_coded(std::uint64_t connection, const SliceOrder& order, Result<std::string> coded);
+  /// Under the lock. Nothing: this viewer gets none.
+  std::optional<SliceOrder> order_of(const Receiver& receiver, const SliceDue& due) const;
 
   // Files to be taken away (docs/adr/0031).
   class FileLink;
@@ -197,6 +206,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   bool in_use(const Lane& lane) const;
 
   void lead_branches();
+  void tell_stale_slices();
   std::shared_ptr<LiveSession> take_branch(std::uint64_t connection);
 
   // Without it.
@@ -225,7 +235,8 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   };
   // By connection here. Its lock may be taken under ours, never ours under its.
   std::map<std::uint64_t, OwnCamera> branches_;
-  std::shared_ptr<const diaphane::v1::Scene> led_;  // the scene that they follow
+  std::shared_ptr<const diaphane::v1::Scene> led_;     // the scene that they follow
+  std::shared_ptr<const diaphane::v1::Scene> sliced_;  // by whose clip slices are clipped
   /// The converged picture of this epoch, once there is one.
   struct Last {
     FrameInfo info;

@@ -53,8 +53,10 @@ void LiveSession::change_camera(std::uint64_t connection, bool own) {
                (own && state_.audience.presents(*receiver))) {
       if (own) unused = *made;  // it left, or became the presenter, meanwhile
     } else if (own) {
-      const auto there = (*made)->attach(link->second, {receiver->participant, receiver->name, {}},
-                                         (*made)->placement());
+      const auto there = (*made)->attach(
+          link->second,
+          {receiver->participant, receiver->name, {}, receiver->viewer, receiver->may_have_slices},
+          (*made)->placement());
       if (there) {
         branches_[connection] = {*made, *there};
         use_own_camera(state_, *receiver, true, parts_.clock.now());

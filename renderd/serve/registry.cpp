@@ -218,6 +218,7 @@ void Registry::write_again(const std::string& session) {
                                      std::to_string(saved.viewport.width),
                                      std::to_string(saved.viewport.height),
                                      saved.presenter,
+                                     saved.guest_slices ? "1" : "0",
                                      kLinkPrefix,
                                      std::to_string(kLinkLife.count())};
   arguments.insert(arguments.end(), lost->links.begin(), lost->links.end());
@@ -248,7 +249,7 @@ bool Registry::save_scenes() {
         redis_.run(lua::save_scene, {kSessionPrefix + saved.id},
                    {std::to_string(saved.placement), saved.scene, std::to_string(saved.input_seq),
                     std::to_string(saved.viewport.width), std::to_string(saved.viewport.height),
-                    saved.presenter});
+                    saved.presenter, saved.guest_slices ? "1" : "0"});
     if (written) continue;
     for (; i < unsaved.size(); ++i) host_.mark_unsaved(unsaved[i].id);
     return false;

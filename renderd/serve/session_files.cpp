@@ -71,9 +71,6 @@ void LiveSession::receive_file(std::uint64_t connection, const v1::ClientMessage
       why.field = "file";
       send_problem(connection, why);
     };
-    if (receiver->participant != kOwner) {
-      return refuse({ErrorCode::kForbidden, "Only the owner of a session takes files of it.", {}});
-    }
     if (message.has_key_view()) {
       if (auto noted = note_key_view(key_views_, message.key_view()); !noted) refuse(noted.error());
     } else if (message.has_file_taken()) {

@@ -24,6 +24,7 @@ Result<LiveSession::Start> start_of(const v1::Open& open) {
   start.placement = open.placement();
   start.input_seq = open.input_seq();
   start.presenter = open.presenter();
+  start.guest_slices = open.guest_slices();
   if (is_id(open.user_id())) start.user_id = start.charged_to = open.user_id();
   if (open.has_scene()) start.scene = std::make_shared<const v1::Scene>(open.scene());
   if (open.has_viewport()) {
@@ -44,6 +45,9 @@ Result<Arrival> arrival_of(const v1::Open& open) {
   arrival.name = open.name();
   constexpr std::size_t kLongestLink = 64;
   if (open.link().size() <= kLongestLink) arrival.link = open.link();
+  arrival.viewer = arrival.link.empty() ? viewer_of(open.viewer()) : ViewerKind::kGuest;
+  arrival.may_have_slices = open.slices() || arrival.viewer == ViewerKind::kOwner ||
+                            arrival.viewer == ViewerKind::kShared;
   return arrival;
 }
 

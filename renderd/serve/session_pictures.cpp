@@ -41,11 +41,17 @@ void LiveSession::kernel(const KernelReport& report) {
   out.set_compile_milliseconds(report.compile_milliseconds);
   out.set_from_cache(report.from_cache);
   if (report.registers) out.set_registers(static_cast<std::uint32_t>(*report.registers));
-  out.set_empty_cells(report.empty_cells);
   const std::lock_guard lock(mutex_);
   state_.wanted.kernel_report = false;
   for (Receiver& receiver : state_.audience.receivers) {
-    if (std::exchange(receiver.kernel_wanted, false)) send(receiver.connection, message);
+    if (!std::exchange(receiver.kernel_wanted, false)) continue;
+    // It tells of the whole scan, not of what is shown of it.
+    if (receiver.viewer == ViewerKind::kGuest) {
+      out.clear_empty_cells();
+    } else {
+      out.set_empty_cells(report.empty_cells);
+    }
+    send(receiver.connection, message);
   }
 }
 

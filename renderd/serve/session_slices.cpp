@@ -1,11 +1,31 @@
+#include <google/protobuf/util/message_differencer.h>
+
+#include <utility>
+
 #include "common/log.h"
 #include "renderd/encode/slice_codec.h"
 #include "renderd/serve/live_session.h"
 #include "renderd/session/host_volume.h"
+#include "renderd/session/kept_voxels.h"
 
 // Of LiveSession: the exact slices beside the picture (docs/adr/0026).
 
 namespace diaphane::render {
+namespace {
+
+bool same_clip(const std::optional<v1::Clip>& a, const std::optional<v1::Clip>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  return google::protobuf::util::MessageDifferencer::Equals(*a, *b);
+}
+
+Result<std::vector<std::int16_t>> read_slice(const volume::Volume& volume,
+                                             const volume::SliceStack& stack, std::uint32_t index,
+                                             const std::optional<v1::Clip>& clip) {
+  if (!clip) return volume::slice_of(volume, stack, index);
+  return volume::clipped_slice_of(volume, stack, index, kept_by(volume.header, *clip));
+}
+
+}  // namespace
 
 void LiveSession::receive_slices(std::uint64_t connection, const v1::SlicesWanted& wanted) {
   {
@@ -60,27 +80,49 @@ void LiveSession::voxels_ready(Result<VolumeCache::Handle> loaded) {
   for (const std::uint64_t connection : connections) send_slices(connection);
 }
 
+std::optional<LiveSession::SliceOrder> LiveSession::order_of(const Receiver& receiver,
+                                                             const SliceDue& due) const {
+  switch (slice_access(state_.audience.standing(receiver))) {
+    case SliceAccess::kNone:
+      break;
+    case SliceAccess::kClipped:
+      // The newest clip, whether or not there is a picture of it yet.
+      if (state_.wanted.scene) return SliceOrder{due, state_.wanted.scene->clip()};
+      break;
+    case SliceAccess::kWhole:
+      return SliceOrder{due, std::nullopt};
+  }
+  return std::nullopt;
+}
+
 void LiveSession::send_slices(std::uint64_t connection) {
   const std::lock_guard lock(mutex_);
   Receiver* const receiver = state_.audience.find(connection);
-  if (!receiver || !voxels_) return;
-  const auto due = receiver->slices.take(parts_.clock.now());
+  if (!receiver || !voxels_ || !receiver->slices.ready()) return;
+  if (!state_.audience.slice_allowances.take(
+          receiver->participant, receiver->viewer == ViewerKind::kGuest, parts_.clock.now())) {
+    return;  // tick() tries again
+  }
+  const auto due = receiver->slices.take();
   if (!due) return;
+  const auto order = order_of(*receiver, *due);
+  if (!order) {
+    receiver->slices.give_up();
+    return receiver->slices.forget();
+  }
   parts_.slices.pool.post(
-      EncodePool::Urgency::kNow, [weak = weak_from_this(), connection, due = *due,
+      EncodePool::Urgency::kNow, [weak = weak_from_this(), connection, order = *order,
                                   stack = (*stacks_)[due->plane], voxels = voxels_] {
         if (weak.expired()) return;
-        auto coded =
-            volume::slice_of(voxels->volume(), stack, due.index).and_then([&](const auto& values) {
-              return code_slice(values);
-            });
+        auto coded = read_slice(voxels->volume(), stack, order.due.index, order.clip)
+                         .and_then([&](const auto& values) { return code_slice(values); });
         if (const auto session = weak.lock()) {
-          session->slice_coded(connection, due, std::move(coded));
+          session->slice_coded(connection, order, std::move(coded));
         }
       });
 }
 
-void LiveSession::slice_coded(std::uint64_t connection, const SliceDue& due,
+void LiveSession::slice_coded(std::uint64_t connection, const SliceOrder& order,
                               Result<std::string> coded) {
   {
     const std::lock_guard lock(mutex_);
@@ -90,19 +132,39 @@ void LiveSession::slice_coded(std::uint64_t connection, const SliceDue& due,
       receiver->slices.give_up();
       return send_problem(connection, coded.error());
     }
-    const volume::SliceStack& stack = (*stacks_)[due.plane];
-    v1::ServerMessage message;
-    v1::ExactSlice& slice = *message.mutable_slice();
-    slice.set_seq(receiver->slices.depart());
-    slice.set_plane(to_proto(stack.plane));
-    slice.set_index(due.index);
-    slice.set_columns(stack.columns);
-    slice.set_rows(stack.rows);
-    parts_.metrics.slice_sent(coded->size());
-    slice.set_data(std::move(*coded));
-    send(connection, message);
+    // Meanwhile slices were switched off, or more was cut away.
+    const auto still = order_of(*receiver, order.due);
+    if (!still) {
+      receiver->slices.give_up();
+    } else if (!same_clip(still->clip, order.clip)) {
+      receiver->slices.put_back();
+    } else {
+      const volume::SliceStack& stack = (*stacks_)[order.due.plane];
+      v1::ServerMessage message;
+      v1::ExactSlice& slice = *message.mutable_slice();
+      slice.set_seq(receiver->slices.depart());
+      slice.set_plane(to_proto(stack.plane));
+      slice.set_index(order.due.index);
+      slice.set_columns(stack.columns);
+      slice.set_rows(stack.rows);
+      receiver->has_clipped_slices = order.clip.has_value();
+      parts_.metrics.slice_sent(coded->size());
+      slice.set_data(std::move(*coded));
+      send(connection, message);
+    }
   }
   send_slices(connection);
+}
+
+void LiveSession::tell_stale_slices() {
+  if (sliced_ == state_.wanted.scene) return;
+  const auto before = std::exchange(sliced_, state_.wanted.scene);
+  if (before && sliced_ && same_clip(before->clip(), sliced_->clip())) return;
+  v1::ServerMessage message;
+  message.mutable_slices_stale();
+  for (Receiver& receiver : state_.audience.receivers) {
+    if (std::exchange(receiver.has_clipped_slices, false)) send(receiver.connection, message);
+  }
 }
 
 void LiveSession::send_problem(std::uint64_t connection, const Error& why) {

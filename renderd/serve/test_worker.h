@@ -175,6 +175,7 @@ inline v1::Open open_message(const std::string& session, const std::string& volu
   open.set_volume_id(volume);
   open.set_placement(1);
   open.set_participant(participant);
+  open.set_viewer(participant.empty() ? v1::VIEWER_OWNER : v1::VIEWER_LIVE_GUEST);
   return open;
 }
 

@@ -25,6 +25,15 @@ const Receiver* Audience::of(std::string_view participant) const {
   return const_cast<Audience*>(this)->of(participant);
 }
 
+Standing Audience::standing(const Receiver& receiver) const {
+  Standing standing;
+  standing.viewer = receiver.viewer;
+  standing.presents = presents(receiver);
+  standing.own_camera = receiver.own_camera;
+  standing.slices = receiver.viewer == ViewerKind::kGuest ? guest_slices : receiver.may_have_slices;
+  return standing;
+}
+
 bool is_inter_coded(v1::Codec codec) { return codec != v1::JPEG; }
 
 std::string clean_name(std::string_view typed) { return diaphane::clean_name(typed, kLongestName); }
@@ -64,6 +73,10 @@ v1::Audience audience_for(const Audience& audience, const Receiver& receiver) {
   v1::Audience message;
   message.set_you(receiver.participant);
   message.set_presenter(audience.presenter);
+  const Standing standing = audience.standing(receiver);
+  message.set_slices(to_proto(slice_access(standing)));
+  message.set_guest_slices(audience.guest_slices);
+  message.set_sets_guest_slices(may(standing, RequestKind::kGuestSlices));
   for (const Receiver& one : audience.receivers) {
     if (!one.greeted) continue;
     v1::Participant& participant = *message.add_participants();

@@ -13,6 +13,8 @@
 #include "common/result.h"
 #include "renderd/session/flight.h"
 #include "renderd/session/quality.h"
+#include "renderd/session/rights.h"
+#include "renderd/session/slice_allowance.h"
 #include "renderd/session/slice_wishes.h"
 #include "renderd/session/wanted.h"
 
@@ -47,6 +49,8 @@ struct Receiver {
   std::string participant{kOwner};
   std::string name;
   std::string link;  ///< of a guest: which link let it in (worker.proto)
+  ViewerKind viewer = ViewerKind::kGuest;
+  bool may_have_slices = false;  ///< says the scan's owner, of visitors and of public scans
 
   bool greeted = false;  ///< its Hello was accepted
   bool visible = true;
@@ -60,6 +64,7 @@ struct Receiver {
   std::optional<TimePoint> depth_asked;   ///< last
   std::optional<TimePoint> kernel_asked;  ///< likewise
   bool kernel_wanted = false;             ///< and not answered yet
+  bool has_clipped_slices = false;        ///< of the clip as it is
 
   FlightWindow flight;
   LinkEstimate path;  ///< what its connection carries
@@ -91,12 +96,15 @@ struct Audience {
   std::uint64_t connections = 0;                ///< so far
   std::map<std::string, std::uint64_t> guests;  ///< participants with a number for a name
   std::map<diaphane::v1::Codec, Coding> codings;
+  SliceAllowances slice_allowances;
+  bool guest_slices = false;  ///< the host lets guests have slices
 
   Receiver* find(std::uint64_t connection);
   const Receiver* find(std::uint64_t connection) const;
   Receiver* of(std::string_view participant);
   const Receiver* of(std::string_view participant) const;
   bool presents(const Receiver& receiver) const { return receiver.participant == presenter; }
+  Standing standing(const Receiver& receiver) const;
 };
 
 /// Frames of these build on those before: one that misses a frame waits for a key frame.

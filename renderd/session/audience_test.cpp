@@ -43,7 +43,8 @@ struct AudienceTest : testing::Test {
     state.wanted.version = 1;
   }
   std::uint64_t arrive(const std::string& participant, const std::string& name = {}) {
-    return attach(state, {participant, name, {}}, now)->connection;
+    const auto viewer = participant == kOwner ? ViewerKind::kOwner : ViewerKind::kGuest;
+    return attach(state, {participant, name, {}, viewer}, now)->connection;
   }
   std::uint64_t join(const std::string& participant, v1::Codec codec = v1::JPEG) {
     const std::uint64_t connection = arrive(participant);

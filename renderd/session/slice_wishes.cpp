@@ -48,15 +48,8 @@ Result<void> SliceWishes::wish(const v1::SlicesWanted& wanted, const SliceStacks
   return {};
 }
 
-std::optional<SliceDue> SliceWishes::take(TimePoint now) {
-  if (making_ || !waiting() || seq_ - taken_ >= kUnderWay) return std::nullopt;
-  if (counted_at_) {
-    const double seconds = std::chrono::duration<double>(now - *counted_at_).count();
-    allowance_ = std::min(kBurst, allowance_ + seconds * kMostASecond);
-  }
-  counted_at_ = now;
-  if (allowance_ < 1) return std::nullopt;
-  allowance_ -= 1;
+std::optional<SliceDue> SliceWishes::take() {
+  if (!ready()) return std::nullopt;
   while (!wanted_[turn_]) turn_ = (turn_ + 1) % wanted_.size();
   making_ = SliceDue{turn_, *wanted_[turn_]};
   wanted_[turn_].reset();
@@ -72,6 +65,13 @@ std::uint64_t SliceWishes::depart() {
 }
 
 void SliceWishes::give_up() { making_.reset(); }
+
+void SliceWishes::put_back() {
+  if (making_ && !wanted_[making_->plane]) wanted_[making_->plane] = making_->index;
+  making_.reset();
+}
+
+void SliceWishes::forget() { wanted_ = {}; }
 
 bool SliceWishes::waiting() const {
   return std::any_of(wanted_.begin(), wanted_.end(), [](const auto& one) { return one; });

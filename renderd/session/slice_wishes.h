@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <optional>
 
@@ -23,21 +22,23 @@ struct SliceDue {
 /// few and never a queue of them. Plain data and arithmetic.
 class SliceWishes {
  public:
-  using TimePoint = std::chrono::steady_clock::time_point;
   static constexpr std::uint64_t kUnderWay = 3;  ///< sent and not yet taken
-  /// To one viewer: three planes at 60 pictures a second, and some.
-  static constexpr double kMostASecond = 240;
-  static constexpr double kBurst = 60;
 
   /// Takes what a viewer says. kInvalid, naming the field, where it is none of the stacks': then
   /// nothing has changed.
   Result<void> wish(const diaphane::v1::SlicesWanted& wanted, const SliceStacks& stacks);
+  /// One can be taken now.
+  bool ready() const { return !making_ && waiting() && seq_ - taken_ < kUnderWay; }
   /// The next to be read and coded, one at a time until it was sent or given up; planes in turn.
-  std::optional<SliceDue> take(TimePoint now);
+  std::optional<SliceDue> take();
   /// What was taken leaves now; its sequence number, from 1.
   std::uint64_t depart();
   /// What was taken could not be made.
   void give_up();
+  /// What was taken is to be made again: it is wanted as before, unless something newer is.
+  void put_back();
+  /// Nothing is wanted any more.
+  void forget();
   /// Something is wanted; perhaps not to be taken just now.
   bool waiting() const;
 
@@ -52,8 +53,6 @@ class SliceWishes {
   std::size_t turn_ = 0;
   std::uint64_t seq_ = 0;
   std::uint64_t taken_ = 0;
-  double allowance_ = kBurst;
-  std::optional<TimePoint> counted_at_;
 };
 
 SliceStacks stacks_of(const volume::Header& header);

@@ -8,8 +8,6 @@
 namespace diaphane::render {
 namespace {
 
-using namespace std::chrono_literals;
-
 struct SliceWishesTest : testing::Test {
   SliceWishesTest() {
     volume::Header header;
@@ -29,7 +27,7 @@ struct SliceWishesTest : testing::Test {
   }
   // Which plane and index leave now; (9, 9): none.
   std::pair<std::size_t, std::uint32_t> sent() {
-    const auto due = wishes.take(now);
+    const auto due = wishes.take();
     if (!due) return {9, 9};
     wishes.depart();
     return {due->plane, due->index};
@@ -37,7 +35,6 @@ struct SliceWishesTest : testing::Test {
 
   SliceStacks stacks;
   SliceWishes wishes;
-  SliceWishes::TimePoint now{};
 };
 
 using Leaves = std::pair<std::size_t, std::uint32_t>;
@@ -67,7 +64,7 @@ TEST_F(SliceWishesTest, OfTheSamePlaneTheNewestReplacesTheOthers) {
 
 TEST_F(SliceWishesTest, WhatIsOnItsWayIsNotSentAgainAndWhatWasLostIs) {
   ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}}), stacks));
-  const auto due = wishes.take(now);
+  const auto due = wishes.take();
   ASSERT_TRUE(due);
   ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}}), stacks));  // while it is made
   EXPECT_FALSE(wishes.waiting());
@@ -80,8 +77,8 @@ TEST_F(SliceWishesTest, WhatIsOnItsWayIsNotSentAgainAndWhatWasLostIs) {
 
 TEST_F(SliceWishesTest, OneIsMadeAtATimeAndThreeAreOnTheirWayAtMost) {
   ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 1}, {v1::CORONAL, 1}, {v1::SAGITTAL, 1}}), stacks));
-  ASSERT_TRUE(wishes.take(now));
-  EXPECT_FALSE(wishes.take(now));
+  ASSERT_TRUE(wishes.take());
+  EXPECT_FALSE(wishes.take());
   wishes.give_up();
   EXPECT_EQ(sent(), Leaves(1, 1));
   EXPECT_EQ(sent(), Leaves(2, 1));
@@ -94,17 +91,24 @@ TEST_F(SliceWishesTest, OneIsMadeAtATimeAndThreeAreOnTheirWayAtMost) {
   EXPECT_EQ(sent(), Leaves(1, 2));
 }
 
-TEST_F(SliceWishesTest, WhoTakesAllAtOnceGetsABoundedNumberASecond) {
-  std::uint64_t count = 0;
-  for (int ms = 0; ms < 10'000; ++ms) {
-    for (int i = 0; i < 3; ++i) {
-      const auto index = static_cast<std::uint32_t>((ms + i) % 10);
-      ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, index}}, count), stacks));
-      if (sent() != kNone) ++count;
-    }
-    now += 1ms;
-  }
-  EXPECT_NEAR(static_cast<double>(count), SliceWishes::kBurst + 10 * SliceWishes::kMostASecond, 2);
+TEST_F(SliceWishesTest, WhatIsPutBackIsWantedAgainUnlessSomethingNewerIs) {
+  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}}), stacks));
+  ASSERT_TRUE(wishes.take());
+  wishes.put_back();
+  EXPECT_EQ(sent(), Leaves(0, 5));
+  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 6}}, 1), stacks));
+  ASSERT_TRUE(wishes.take());
+  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 7}}, 1), stacks));
+  wishes.put_back();
+  EXPECT_EQ(sent(), Leaves(0, 7));
+  EXPECT_EQ(sent(), kNone);
+}
+
+TEST_F(SliceWishesTest, WhatIsForgottenIsNotSent) {
+  ASSERT_TRUE(wishes.wish(wanted({{v1::AXIAL, 5}, {v1::CORONAL, 1}}), stacks));
+  wishes.forget();
+  EXPECT_FALSE(wishes.waiting());
+  EXPECT_EQ(sent(), kNone);
 }
 
 TEST_F(SliceWishesTest, WhatIsNotThereIsRefusedByItsFieldAndChangesNothing) {

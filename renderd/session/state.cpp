@@ -18,6 +18,11 @@ Outcome refuse(ErrorCode code, std::string message, bool fatal) {
   return outcome;
 }
 
+v1::Problem not_greeted() {
+  return problem_of({ErrorCode::kInvalid, "The connection must begin with a greeting.", {}}, 0,
+                    true);
+}
+
 void note_input(SessionState& state, std::uint64_t input_seq, bool rest, TimePoint now) {
   state.wanted.input_seq = input_seq;
   state.wanted.last_input = now;
@@ -124,9 +129,18 @@ Outcome receive_scene(SessionState& state, Receiver& receiver, const v1::SceneUp
   if (!effort) return refuse_update(effort.error());
   bool changed = viewport != state.wanted.viewport;
   if (update.has_scene()) {
-    const bool camera_alone = state.camera_only && state.wanted.scene;
-    auto scene = std::make_shared<v1::Scene>(camera_alone ? *state.wanted.scene : update.scene());
-    if (camera_alone) *scene->mutable_camera() = update.scene().camera();
+    const v1::Scene* const now_shown = state.wanted.scene.get();
+    std::optional<v1::Scene> allowed;
+    if (!state.camera_only) {
+      allowed = allowed_scene(state.audience.standing(receiver), now_shown, update.scene());
+    } else if (now_shown) {
+      allowed = *now_shown;
+      *allowed->mutable_camera() = update.scene().camera();
+    }
+    if (!allowed) {
+      return refuse_update({ErrorCode::kUnavailable, "The picture is not ready yet.", {}});
+    }
+    auto scene = std::make_shared<v1::Scene>(*std::move(allowed));
     if (const auto sound = check_scene(*scene); !sound) return refuse_update(sound.error());
     if (!state.wanted.scene || !MessageDifferencer::Equals(*state.wanted.scene, *scene)) {
       state.wanted.scene = std::move(scene);
@@ -230,6 +244,18 @@ Outcome receive_handover(SessionState& state, Receiver& receiver, const v1::Hand
   return outcome;
 }
 
+Outcome receive_guest_slices(SessionState& state, bool on) {
+  Outcome outcome;
+  if (state.audience.guest_slices == on) return outcome;
+  state.audience.guest_slices = on;
+  for (Receiver& one : state.audience.receivers) {
+    if (!on && one.viewer == ViewerKind::kGuest) one.slices.forget();
+  }
+  state.unsaved = true;
+  outcome.audience = true;
+  return outcome;
+}
+
 Outcome receive_own_camera(SessionState& state, Receiver& receiver, bool on) {
   Outcome outcome;
   if (receiver.own_camera == on) return outcome;
@@ -301,6 +327,8 @@ Result<Attached> attach(SessionState& state, const Arrival& arrival, TimePoint n
   receiver.participant = arrival.participant;
   receiver.name = clean_name(arrival.name);
   receiver.link = arrival.link;
+  receiver.viewer = arrival.viewer;
+  receiver.may_have_slices = arrival.may_have_slices;
   receiver.heard_at = now;
   if (receiver.name.empty() && receiver.participant != kOwner) {
     // The same number again after a reconnection.
@@ -347,12 +375,49 @@ void follow(SessionState& state, const v1::Scene& presenters, TimePoint now) {
   ++state.wanted.version;
 }
 
+std::optional<v1::Problem> refused_request(const SessionState& state, std::uint64_t connection,
+                                           const v1::ClientMessage& message) {
+  const Receiver* const receiver = state.audience.find(connection);
+  if (!receiver) return std::nullopt;
+  if (!receiver->greeted && !message.has_hello()) return not_greeted();
+  const auto request = request_of(message);
+  if (!request || may(state.audience.standing(*receiver), *request)) {
+    return std::nullopt;
+  }
+  const auto refusal = [](std::string why, std::string field) {
+    return problem_of({ErrorCode::kForbidden, std::move(why), std::move(field)}, 0, false);
+  };
+  switch (*request) {
+    case RequestKind::kScene: {
+      v1::Problem problem = refusal("Only the presenter can change the picture.", {});
+      problem.set_input_seq(message.scene().input_seq());
+      return problem;
+    }
+    case RequestKind::kHandover:
+      return refusal("Only the presenter can hand the session over.", {});
+    case RequestKind::kSlices:
+      return refusal("You see this scan without its slices: its owner has not allowed them.",
+                     "slices");
+    case RequestKind::kKeyView:
+    case RequestKind::kFile:
+    case RequestKind::kFileTaken:
+      return refusal("Only somebody who opened the scan with their own account can make files.",
+                     "file");
+    case RequestKind::kGuestSlices:
+      return refusal("Only the host of this session can let guests see slices.", "guest_slices");
+    default:
+      return refusal("You can only watch here.", {});
+  }
+}
+
 Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientMessage& message,
                 TimePoint now) {
   Receiver* const receiver = state.audience.find(connection);
   if (!receiver) return {};
-  if (!receiver->greeted && message.body_case() != v1::ClientMessage::kHello) {
-    return refuse(ErrorCode::kInvalid, "The connection must begin with a greeting.", true);
+  if (!receiver->greeted && !message.has_hello()) {
+    Outcome outcome;
+    outcome.problem = not_greeted();
+    return outcome;
   }
   switch (message.body_case()) {
     case v1::ClientMessage::kHello:
@@ -373,6 +438,8 @@ Outcome receive(SessionState& state, std::uint64_t connection, const v1::ClientM
       return receive_depth_query(*receiver, message.depth_query(), now);
     case v1::ClientMessage::kKernel:
       return receive_kernel_wanted(state, *receiver, now);
+    case v1::ClientMessage::kGuestSlices:
+      return receive_guest_slices(state, message.guest_slices().on());
     // Voxels and files are not the state's: LiveSession
     case v1::ClientMessage::kSlices:
     case v1::ClientMessage::kKeyView:

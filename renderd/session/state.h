@@ -66,6 +66,8 @@ struct Arrival {
   std::string participant{kOwner};
   std::string name;  ///< as typed
   std::string link;
+  ViewerKind viewer = ViewerKind::kGuest;
+  bool may_have_slices = false;
 };
 struct Attached {
   std::uint64_t connection = 0;
@@ -80,6 +82,12 @@ void detach(SessionState& state, std::uint64_t connection, TimePoint now);
 void use_own_camera(SessionState& state, Receiver& receiver, bool on, TimePoint now);
 /// Of a session with `camera_only`: the presenter's settings have changed.
 void follow(SessionState& state, const diaphane::v1::Scene& presenters, TimePoint now);
+
+/// Whether the connection may say this at all, as the table of rights has it (rights.h): asked
+/// before anything else looks at a message. The Problem that refuses it, or nothing.
+std::optional<diaphane::v1::Problem> refused_request(const SessionState& state,
+                                                     std::uint64_t connection,
+                                                     const diaphane::v1::ClientMessage& message);
 
 /// Anything that a browser says. Nothing it says is trusted.
 Outcome receive(SessionState& state, std::uint64_t connection,

@@ -19,7 +19,7 @@ struct StateTest : testing::Test {
     state.wanted.version = 1;
     connect();
   }
-  void connect() { me = attach(state, {}, now)->connection; }
+  void connect() { me = attach(state, owner(), now)->connection; }
   Outcome say(const v1::ClientMessage& message) { return receive(state, me, message, now); }
   Admission admit(const FrameInfo& info) {
     return render::admit(state, v1::JPEG, info, now).admission;
@@ -361,7 +361,7 @@ TEST_F(StateTest, WhatRendersThePictureIsToldWithTheNextOneAndNotTooOften) {
 TEST(SessionState, RawPicturesAreWantedOnlyWhereAskedFor) {
   SessionState state;
   const TimePoint now{};
-  const std::uint64_t me = attach(state, {}, now)->connection;
+  const std::uint64_t me = attach(state, owner(), now)->connection;
   ASSERT_FALSE(receive(state, me, hello(), now).problem);
   ASSERT_FALSE(receive(state, me, turned(1), now).problem);
   EXPECT_FALSE(state.wanted.raw);
@@ -377,7 +377,7 @@ TEST(SessionState, RawPicturesAreWantedOnlyWhereAskedFor) {
 TEST(SessionState, LessEffortIsTakenOverAndNonsenseRefused) {
   SessionState state;
   const TimePoint now{};
-  const std::uint64_t me = attach(state, {}, now)->connection;
+  const std::uint64_t me = attach(state, owner(), now)->connection;
   ASSERT_FALSE(receive(state, me, hello(), now).problem);
   std::uint64_t seq = 0;
   const auto say = [&](double error, std::uint64_t samples, double scale) {

@@ -19,7 +19,7 @@ struct StreamTest : testing::Test {
   }
   std::uint64_t join(const std::string& participant, const std::vector<v1::StillFormat>& stills,
                      v1::Codec codec = v1::JPEG) {
-    const auto attached = attach(state, {participant, "", ""}, now);
+    const auto attached = attach(state, {participant, "", "", ViewerKind::kOwner}, now);
     v1::ClientMessage message = hello(1280, 720);
     message.mutable_hello()->clear_codecs();
     message.mutable_hello()->add_codecs(codec);

@@ -33,6 +33,13 @@ inline v1::Scene plain_scene() {
   return scene;
 }
 
+/// The owner of a scan at their own session.
+inline Arrival owner() {
+  Arrival arrival;
+  arrival.viewer = ViewerKind::kOwner;
+  return arrival;
+}
+
 inline v1::ClientMessage hello(std::uint32_t width = 640, std::uint32_t height = 480) {
   v1::ClientMessage message;
   v1::Hello& body = *message.mutable_hello();

@@ -45,7 +45,7 @@ class Browser {
  public:
   Browser() {
     state_.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
-    const auto attached = attach(state_, {}, now_);
+    const auto attached = attach(state_, owner(), now_);
     MUST(attached.has_value());
     connection_ = attached->connection;
     hear(hello());
@@ -83,7 +83,7 @@ class Browser {
       return;
     }
     for (std::size_t sent = 0;; ++sent) {
-      const auto due = wishes_.take(now_);
+      const auto due = wishes_.take();
       if (!due) return;
       MUST(sent < stacks.size());
       const volume::SliceStack& stack = stacks.at(due->plane);

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "api/proto/scene.pb.h"
+#include "volume/region.h"
+
+namespace diaphane::render {
+
+/// The voxels that a clip leaves, by their centres. Precondition: the clip has passed check_scene.
+volume::KeptVoxels kept_by(const volume::Header& header, const diaphane::v1::Clip& clip);
+
+}  // namespace diaphane::render

@@ -1,0 +1,135 @@
+#include "renderd/session/rights.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "renderd/session/test_messages.h"
+
+namespace diaphane::render {
+namespace {
+
+std::string_view name_of(RequestKind request) {
+  constexpr std::array<std::string_view, kRequests.size()> kNames{
+      "hello",      "resize",   "scene",      "ack",    "need key",
+      "visibility", "handover", "own camera", "depth",  "slices",
+      "key view",   "file",     "file taken", "kernel", "guest slices"};
+  return kNames.at(static_cast<std::size_t>(request));
+}
+
+Standing standing(ViewerKind viewer, bool presents, bool own_camera, bool slices) {
+  return {viewer, presents, own_camera, slices};
+}
+
+/// Written a second time, as people would say it: every viewer, every request, every situation.
+bool expected(const Standing& who, std::string_view request) {
+  const bool guest = who.viewer == ViewerKind::kGuest;
+  const bool without_account =
+      guest || who.viewer == ViewerKind::kLinkVisitor || who.viewer == ViewerKind::kSampleVisitor;
+  const bool steers = who.presents || who.own_camera;
+  if (request == "scene") return steers;
+  if (request == "handover") return !guest || who.presents;
+  if (request == "depth") return !guest || steers;
+  if (request == "slices") {
+    return who.viewer == ViewerKind::kOwner || who.viewer == ViewerKind::kShared || who.slices;
+  }
+  if (request == "key view" || request == "file" || request == "file taken") {
+    return !without_account;
+  }
+  if (request == "guest slices") {
+    return who.viewer == ViewerKind::kOwner || (who.viewer == ViewerKind::kPublic && who.slices);
+  }
+  return true;
+}
+
+TEST(RightsTest, EveryViewerMaySayWhatTheTableSaysAndNothingElse) {
+  for (const ViewerKind viewer : kViewers) {
+    for (const RequestKind request : kRequests) {
+      for (int bits = 0; bits < 8; ++bits) {
+        const Standing who = standing(viewer, (bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0);
+        EXPECT_EQ(may(who, request), expected(who, name_of(request)))
+            << name_of(request) << " of viewer " << static_cast<int>(viewer) << " in situation "
+            << bits;
+      }
+    }
+  }
+}
+
+TEST(RightsTest, EveryMessageOfTheProtocolHasARow) {
+  const auto* const body = v1::ClientMessage::descriptor()->oneof_decl(0);
+  for (int i = 0; i < body->field_count(); ++i) {
+    v1::ClientMessage message;
+    message.GetReflection()->MutableMessage(&message, body->field(i));
+    EXPECT_TRUE(request_of(message)) << body->field(i)->name();
+  }
+  EXPECT_FALSE(request_of(v1::ClientMessage()));
+  EXPECT_EQ(request_of(update(1, plain_scene())), RequestKind::kScene);
+  v1::ClientMessage resize;
+  resize.mutable_scene()->mutable_viewport();
+  EXPECT_EQ(request_of(resize), RequestKind::kResize);
+}
+
+TEST(RightsTest, WhoIsNotKnownIsAGuest) {
+  EXPECT_EQ(viewer_of(v1::VIEWER_UNSPECIFIED), ViewerKind::kGuest);
+  EXPECT_EQ(viewer_of(static_cast<v1::Viewer>(99)), ViewerKind::kGuest);
+  EXPECT_EQ(viewer_of(v1::VIEWER_LIVE_GUEST), ViewerKind::kGuest);
+  EXPECT_EQ(viewer_of(v1::VIEWER_OWNER), ViewerKind::kOwner);
+}
+
+TEST(RightsTest, PeopleWithoutAnAccountGetTheClippedSlicesOnly) {
+  for (const ViewerKind viewer : kViewers) {
+    const bool account = viewer == ViewerKind::kOwner || viewer == ViewerKind::kShared ||
+                         viewer == ViewerKind::kPublic;
+    EXPECT_EQ(slice_access(standing(viewer, true, true, true)),
+              account ? SliceAccess::kWhole : SliceAccess::kClipped);
+  }
+  for (const ViewerKind viewer : {ViewerKind::kPublic, ViewerKind::kLinkVisitor,
+                                  ViewerKind::kSampleVisitor, ViewerKind::kGuest}) {
+    EXPECT_EQ(slice_access(standing(viewer, true, true, false)), SliceAccess::kNone);
+  }
+}
+
+struct AllowedScene : testing::Test {
+  AllowedScene() {
+    shown.mutable_clip()->mutable_box_low()->set_x(-3);
+    shown.mutable_clip()->mutable_box_high()->set_x(3);
+    shown.mutable_slices()->mutable_axial()->set_shown(true);
+    wanted.mutable_camera()->mutable_eye()->set_x(9);
+    wanted.mutable_slices()->mutable_axial()->set_position(40);
+  }
+  v1::Scene shown = plain_scene(), wanted = plain_scene();
+};
+
+TEST_F(AllowedScene, OfAGuestKeepsTheClipWhateverTheGuestSends) {
+  for (const bool slices : {false, true}) {
+    const auto scene =
+        allowed_scene(standing(ViewerKind::kGuest, true, false, slices), &shown, wanted);
+    ASSERT_TRUE(scene);
+    EXPECT_EQ(scene->clip().SerializeAsString(), shown.clip().SerializeAsString());
+    EXPECT_EQ(scene->camera().eye().x(), 9);
+    EXPECT_EQ(scene->slices().axial().position(), slices ? 40 : 0);
+  }
+  EXPECT_FALSE(allowed_scene(standing(ViewerKind::kGuest, true, false, true), nullptr, wanted));
+}
+
+TEST_F(AllowedScene, WithoutSlicesHasThoseInThePictureThatWereThere) {
+  const Standing visitor = standing(ViewerKind::kLinkVisitor, true, false, false);
+  const auto scene = allowed_scene(visitor, &shown, wanted);
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(scene->slices().SerializeAsString(), shown.slices().SerializeAsString());
+  EXPECT_FALSE(scene->has_clip()) << "it is the visitor's own session";
+  const auto first = allowed_scene(visitor, nullptr, wanted);
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(first->has_slices());
+}
+
+TEST_F(AllowedScene, OfAnOwnerIsTheOwners) {
+  const auto scene = allowed_scene(standing(ViewerKind::kOwner, true, false, true), &shown, wanted);
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(scene->SerializeAsString(), wanted.SerializeAsString());
+}
+
+}  // namespace
+}  // namespace diaphane::render

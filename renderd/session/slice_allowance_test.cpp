@@ -1,0 +1,52 @@
+#include "renderd/session/slice_allowance.h"
+
+#include <gtest/gtest.h>
+
+namespace diaphane::render {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct SliceAllowancesTest : testing::Test {
+  /// So many as this viewer gets at once.
+  int take_all(const std::string& who, bool guest = false) {
+    int count = 0;
+    while (allowances.take(who, guest, now)) ++count;
+    return count;
+  }
+  SliceAllowances allowances;
+  SliceAllowance::TimePoint now{1h};
+};
+
+TEST_F(SliceAllowancesTest, AreABoundedNumberASecondForEachViewer) {
+  EXPECT_EQ(take_all("a"), SliceAllowance::kMostASecond);
+  EXPECT_EQ(take_all("b"), SliceAllowance::kMostASecond);
+  now += 500ms;
+  EXPECT_EQ(take_all("a"), SliceAllowance::kMostASecond / 2);
+  now += 1h;
+  EXPECT_EQ(take_all("a"), SliceAllowance::kMostASecond) << "rest is not saved up";
+}
+
+TEST_F(SliceAllowancesTest, BecomeFewAfterALongRun) {
+  double count = 0;
+  for (int second = 0; second < 1000; ++second, now += 1s) count += take_all("a");
+  EXPECT_NEAR(count, SliceAllowance::kInARow + 1000 * SliceAllowance::kMostASecondThen, 150);
+  EXPECT_LE(take_all("a"), SliceAllowance::kMostASecondThen);
+}
+
+TEST_F(SliceAllowancesTest, AreSharedByAllGuestsTogether) {
+  int count = 0;
+  for (int i = 0; i < 100; ++i) count += take_all("guest " + std::to_string(i), true);
+  EXPECT_EQ(count, SliceAllowance::kGuestsTogether * SliceAllowance::kMostASecond);
+  EXPECT_EQ(take_all("owner"), SliceAllowance::kMostASecond)
+      << "guests take nothing of the owner's";
+}
+
+TEST_F(SliceAllowancesTest, DoNotGrowWithTheNumberOfNames) {
+  int count = 0;
+  for (int i = 0; i < 2000; ++i) count += take_all("name " + std::to_string(i));
+  EXPECT_EQ(count, (SliceAllowances::kMostViewers + 1) * SliceAllowance::kMostASecond);
+}
+
+}  // namespace
+}  // namespace diaphane::render
