@@ -84,6 +84,7 @@ struct GrpcTest : testing::Test {
   }
   v1::Open open(const std::string& session = new_id()) {
     v1::Open open;
+    open.set_viewer(v1::VIEWER_OWNER);
     open.set_session_id(session);
     open.set_volume_id(volume);
     open.set_placement(1);

@@ -22,6 +22,7 @@ struct MemoryFullTest : testing::Test {
   }
   v1::Open opening() const {
     v1::Open open;
+    open.set_viewer(v1::VIEWER_OWNER);
     open.set_session_id(new_id());
     open.set_volume_id(volume);
     open.set_placement(1);

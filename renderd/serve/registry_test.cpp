@@ -31,6 +31,7 @@ struct RegistryTest : testing::Test {
   std::pair<Attachment, std::shared_ptr<Link>> attach(const std::string& session,
                                                       std::uint64_t placement = 1) {
     v1::Open open;
+    open.set_viewer(v1::VIEWER_OWNER);
     open.set_session_id(session);
     open.set_volume_id(volume);
     open.set_placement(placement);
@@ -251,6 +252,7 @@ TEST_F(RegistryTest, WithRedisAwaySessionsGoOnAndWhatWasNotToldIsToldLater) {
 TEST_F(RegistryTest, AnEmptyRedisIsFilledAgainByTheWorkersThatHaveTheSessions) {
   const std::string id = new_id(), user = new_id(), link = std::string(64, 'a');
   v1::Open open;
+  open.set_viewer(v1::VIEWER_OWNER);
   open.set_session_id(id);
   open.set_volume_id(volume);
   open.set_placement(3);
@@ -334,6 +336,7 @@ TEST_F(RegistryTest, ToldToDrainItMovesASessionOnlyWhenThereIsRoomElsewhere) {
   ASSERT_TRUE(eventually([&] { return redis.field(key, "sampled") != then; }));
   EXPECT_EQ(worker->host().used(), 1U);  // there is no other worker
   v1::Open open;
+  open.set_viewer(v1::VIEWER_OWNER);
   open.set_session_id(new_id());
   open.set_volume_id(volume);
   EXPECT_FALSE(worker->host().open(open, std::make_shared<Link>()));

@@ -41,6 +41,11 @@ struct Viewer : TestViewer {
     wanted.set_taken(taken);
     say(message);
   }
+  void let_guests_see_slices(bool on) {
+    v1::ClientMessage message;
+    message.mutable_guest_slices()->set_on(on);
+    say(message);
+  }
   std::optional<v1::ExactSlice> slice() {
     const auto message = link->inbox.next_of(Kind::kSlice);
     if (!message) return std::nullopt;
@@ -110,6 +115,7 @@ TEST_F(SessionSlicesTest, FollowersSeeTheirOwnAndTheOthersNone) {
   const std::string session = new_id();
   Viewer owner = attach(session);
   Viewer guest = attach(session, new_id());
+  owner.let_guests_see_slices(true);
   guest.want({{v1::AXIAL, 1}});
   const auto slice = guest.slice();
   ASSERT_TRUE(slice);
@@ -118,6 +124,79 @@ TEST_F(SessionSlicesTest, FollowersSeeTheirOwnAndTheOthersNone) {
   ASSERT_TRUE(owner.slice());
   EXPECT_EQ(owner.link->inbox.count(Kind::kSlice), 1U);
   EXPECT_EQ(guest.link->inbox.count(Kind::kSlice), 1U);
+}
+
+TEST_F(SessionSlicesTest, AGuestGetsNoneUntilTheyAreAllowedAndNoneOnceTheyAreNot) {
+  const std::string session = new_id();
+  Viewer owner = attach(session);
+  Viewer guest = attach(session, new_id());
+  const auto refused = [&] {
+    guest.want({{v1::AXIAL, 1}});
+    const auto problem = guest.problem();
+    return problem && problem->code() == "forbidden" && problem->field() == "slices" &&
+           !problem->fatal();
+  };
+  EXPECT_TRUE(refused());
+  guest.let_guests_see_slices(true);
+  EXPECT_EQ(guest.problem()->field(), "guest_slices");
+  EXPECT_TRUE(refused());
+  owner.let_guests_see_slices(true);
+  guest.want({{v1::AXIAL, 1}});
+  EXPECT_TRUE(guest.slice());
+  owner.let_guests_see_slices(false);
+  EXPECT_TRUE(refused());
+  EXPECT_EQ(guest.link->inbox.count(Kind::kSlice), 1U);
+}
+
+TEST_F(SessionSlicesTest, OfAGuestAreBlankOutsideOfTheClipAndStaleOnceItChanges) {
+  const std::string session = new_id();
+  Viewer owner;
+  const v1::Config config = enter(owner, open_message(session, id));
+  Viewer guest = attach(session, new_id());
+  owner.let_guests_see_slices(true);
+  v1::Scene scene = config.scene();
+  v1::Clip::Plane& plane = *scene.mutable_clip()->add_planes();
+  plane.mutable_point();
+  plane.mutable_normal()->set_x(1);  // of the patient's left nothing is kept
+  owner.say(scene_message(1, scene));
+  guest.want({{v1::AXIAL, 2}});
+  const auto clipped = guest.slice();
+  ASSERT_TRUE(clipped);
+  const auto values = values_of(*clipped);
+  for (std::size_t row = 0; row < 6; ++row) {
+    for (std::size_t column = 0; column < 5; ++column) {
+      // Columns go to the patient's left; the middle one's centres lie on the plane.
+      EXPECT_EQ(values[row * 5 + column], column <= 2 ? voxel(row, 4 - column, 2) : volume::kBlank);
+    }
+  }
+  scene.clear_clip();
+  owner.say(scene_message(2, scene));
+  EXPECT_TRUE(guest.link->inbox.next_of(Kind::kSlicesStale));
+  guest.want({{v1::AXIAL, 2}});
+  const auto whole = guest.slice();
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(values_of(*whole)[4], voxel(0, 0, 2));
+  // The owner's are whole whatever is cut away, and are never stale.
+  EXPECT_EQ(owner.link->inbox.count(Kind::kSlicesStale), 0U);
+}
+
+TEST_F(SessionSlicesTest, WhoIsNotGreetedGetsNone) {
+  Viewer silent;
+  silent.attachment.emplace(*worker->host().open(open_message(new_id(), id), silent.link));
+  silent.want({{v1::AXIAL, 1}});
+  EXPECT_TRUE(silent.link->inbox.ended());
+  EXPECT_EQ(silent.link->inbox.count(Kind::kSlice), 0U);
+}
+
+TEST_F(SessionSlicesTest, AGuestIsToldNothingOfTheScanThatIsNotShown) {
+  const std::string session = new_id();
+  Viewer owner, guest;
+  const v1::Config whole = enter(owner, open_message(session, id));
+  const v1::Config told = enter(guest, open_message(session, id, new_id()));
+  EXPECT_FALSE(whole.volume().content_hash().empty());
+  EXPECT_TRUE(told.volume().content_hash().empty());
+  EXPECT_EQ(told.volume().percentiles_size(), 0);
+  EXPECT_FALSE(told.has_histogram());
 }
 
 TEST_F(SessionSlicesTest, ABadWishIsAnsweredAndThePictureGoesOn) {
@@ -141,6 +220,7 @@ TEST_F(SessionSlicesTest, WhoTakesNoneHoldsThreeAndNobodyUp) {
   const std::string session = new_id();
   Viewer silent = attach(session);
   Viewer other = attach(session, new_id());
+  silent.let_guests_see_slices(true);
   for (std::uint32_t i = 0; i < 200; ++i) {
     v1::ClientMessage message;
     v1::SlicesWanted::At& at = *message.mutable_slices()->add_slices();
