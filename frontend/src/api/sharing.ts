@@ -17,8 +17,9 @@ export class SharingApi {
     return read(this.send("PATCH", `/v1/data-sets/${id}`, what));
   }
 
-  set_visibility(id: string, visibility: "private" | "public"): Promise<DataSet> {
-    return read(this.send("POST", `/v1/data-sets/${id}/visibility`, { visibility }));
+  /** `slices`: of a public one, whether whoever looks may have them. */
+  set_visibility(id: string, visibility: "private" | "public", slices = false): Promise<DataSet> {
+    return read(this.send("POST", `/v1/data-sets/${id}/visibility`, { visibility, ...(visibility === "public" ? { slices } : {}) }));
   }
 
   async people(id: string): Promise<readonly SharedPerson[]> {
@@ -37,8 +38,8 @@ export class SharingApi {
     return (await read<Page<DataSetLink>>(this.send("GET", `/v1/data-sets/${id}/links`))).items;
   }
 
-  make_link(id: string, hours: number): Promise<DataSetLink & { readonly path: string }> {
-    return read(this.send("POST", `/v1/data-sets/${id}/links`, { hours }, once()));
+  make_link(id: string, hours: number, slices: boolean): Promise<DataSetLink & { readonly path: string }> {
+    return read(this.send("POST", `/v1/data-sets/${id}/links`, { hours, slices }, once()));
   }
 
   async end_link(id: string, link: string): Promise<void> {

@@ -99,6 +99,8 @@ export interface DataSet {
   readonly owned: boolean;
   readonly is_public: boolean;
   readonly is_sample: boolean;
+  /** Whoever looks at it in the gallery may have its slices. */
+  readonly public_slices: boolean;
   readonly refusal: { readonly code: string; readonly text: string } | null;
   /** Queued, to the owner: what it waits for beyond its turn. */
   readonly waiting_for: "room" | "memory" | "service" | null;
@@ -133,6 +135,8 @@ export interface SharedPerson {
 export interface DataSetLink {
   readonly id: string;
   readonly expires_at: string;
+  /** Whoever comes by it may have the slices. */
+  readonly slices: boolean;
 }
 
 export interface Report {

@@ -9,6 +9,8 @@ export interface Role {
   /** Somebody else presents. */
   readonly follows: boolean;
   readonly own_camera: boolean;
+  /** By a link into somebody's session: what is cut away is not this viewer's to change. */
+  readonly guest: boolean;
   /** Nothing while the presenter is away. */
   readonly presenter: Participant | null;
 }
@@ -24,6 +26,7 @@ export function role_of(audience: Audience | null): Role {
     presents,
     follows: !presents,
     own_camera: people.find(({ id }) => id === you)?.ownCamera ?? false,
+    guest: people.some(({ id, owner }) => id === you && !owner),
     presenter: people.find(({ presenter }) => presenter) ?? null,
   };
 }

@@ -11,12 +11,14 @@ import {
   Codec,
   DepthQuerySchema,
   EffortSchema,
+  GuestSlicesSchema,
   HandoverSchema,
   HelloSchema,
   NeedKeySchema,
   OwnCameraSchema,
   SceneUpdateSchema,
   ServerMessageSchema,
+  SliceAccess,
   SlicesWantedSchema,
   StillFormat,
   ViewportSchema,
@@ -28,7 +30,7 @@ import {
 } from "./gen/api/proto/stream_pb";
 import { CameraSchema, Clip_PlaneSchema, ClipSchema, SceneSchema, TransferFunctionSchema, Vec3Schema, type Scene } from "./gen/api/proto/scene_pb";
 
-export { Codec, StillFormat };
+export { Codec, SliceAccess, StillFormat };
 export type { Audience, Config, ExactSlice, Frame, Histogram, Look, Participant, Problem, State, Stats, Still } from "./gen/api/proto/stream_pb";
 export type { Preset, Scene } from "./gen/api/proto/scene_pb";
 export { VolumeHeader_Modality as Modality, type VolumeHeader } from "./gen/api/proto/volume_pb";
@@ -123,6 +125,11 @@ export function encode_handover(to: string): Bytes {
 
 export function encode_own_camera(on: boolean): Bytes {
   return encoded(create(ClientMessageSchema, { body: { case: "ownCamera", value: create(OwnCameraSchema, { on }) } }));
+}
+
+/** Whether guests of one's session may have slices. */
+export function encode_guest_slices(on: boolean): Bytes {
+  return encoded(create(ClientMessageSchema, { body: { case: "guestSlices", value: create(GuestSlicesSchema, { on }) } }));
 }
 
 const plane_numbers: Readonly<Record<Plane, AnatomicalPlane>> = {

@@ -55,6 +55,7 @@ class World {
         frame: () => this.seen.push("frame"),
         still: () => this.seen.push("still"),
         slice: () => this.seen.push("slice"),
+        slices_stale: () => this.seen.push("slices stale"),
         state: () => undefined,
         audience: () => this.seen.push("audience"),
         look: (scene) => this.looks.push(scene.camera?.eye?.x),

@@ -7,6 +7,7 @@ import {
   encode_handover,
   encode_hello,
   encode_need_key,
+  encode_guest_slices,
   encode_own_camera,
   encode_scene,
   encode_slices,
@@ -66,6 +67,8 @@ export interface StreamEvents {
   frame(frame: Frame): void;
   still(still: Still): void;
   slice(slice: ExactSlice): void;
+  /** The slices that have come are of another clip than the session's now. */
+  slices_stale(): void;
   /** Who is here; this page may have become, or may be no more, the presenter's. */
   audience(audience: Audience): void;
   /** The scene as the presenter has it. */
@@ -160,6 +163,10 @@ export class StreamClient {
     this.own_camera_ = on;
     this.own_pose_ = null;
     if (this.state_.phase === "live") this.socket_?.send(encode_own_camera(on));
+  }
+
+  set_guest_slices(on: boolean): void {
+    if (this.state_.phase === "live") this.socket_?.send(encode_guest_slices(on));
   }
 
   set_scene(scene: Scene, rest = false): void {
@@ -340,6 +347,9 @@ export class StreamClient {
         break;
       case "slice":
         this.events_.slice(body.value);
+        break;
+      case "slicesStale":
+        this.events_.slices_stale();
         break;
       case "state":
         this.events_.state(body.value);

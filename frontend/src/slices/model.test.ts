@@ -22,6 +22,7 @@ describe("the slices of a scan", () => {
   const begun = () => {
     const slices = new Slices((lacking) => asked.push(lacking));
     slices.configured([axial, sagittal, coronal], header);
+    slices.allow("whole");
     return slices;
   };
 
@@ -63,5 +64,36 @@ describe("the slices of a scan", () => {
     slices.configured([axial, sagittal, coronal], { ...header, contentHash: "b" });
     expect(slices.window.value).toEqual({ centre: 40, width: 400 });
     expect(slices.index(axial)).toBe(2);
+  });
+  it("are neither asked for nor shown while they are not allowed", () => {
+    const slices = new Slices((lacking) => asked.push(lacking));
+    slices.configured([axial, sagittal, coronal], header);
+    slices.open.value = true;
+    expect(slices.available.value).toBe(false);
+    expect(slices.view.value).toBe("picture");
+    expect(frame()).toBeUndefined();
+    slices.allow("clipped");
+    expect(slices.view.value).toBe("four");
+    expect(frame()).toEqual(["axial 2", "sagittal 3", "coronal 2"]);
+    slices.allow("none");
+    expect(slices.open.value).toBe(false);
+    expect(slices.view.value).toBe("picture");
+  });
+  it("are asked for again once something else is cut away", () => {
+    const slices = begun();
+    slices.open.value = true;
+    frame();
+    asked = [];
+    slices.stale();
+    expect(frame()).toEqual(["axial 2", "sagittal 3", "coronal 2"]);
+  });
+  it("are shown to somebody who is not told the volume's hash", () => {
+    const slices = new Slices((lacking) => asked.push(lacking));
+    slices.configured([axial, sagittal, coronal], { ...header, contentHash: "" });
+    slices.allow("clipped");
+    expect(slices.available.value).toBe(true);
+    slices.set_window({ centre: 1, width: 2 });
+    slices.configured([axial, sagittal, coronal], { ...header, contentHash: "" });
+    expect(slices.window.value).toEqual({ centre: 1, width: 2 });
   });
 });

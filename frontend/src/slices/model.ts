@@ -17,9 +17,17 @@ export type Shown = "picture" | "four" | Plane;
 type Header = Parameters<typeof first_window>[0] & { readonly contentHash: string };
 const middle = vec3(0, 0, 0);
 
+/** Which slices the server gives this viewer: those of `clipped` are blank outside of the clip. */
+export type Access = "none" | "clipped" | "whole";
+/** A value of a clipped slice where nothing is shown. */
+export const blank = -32768;
+
 /** The slices as a person sees them. It stays while views come and go. */
 export class Slices {
   readonly stacks = signal<ReadonlyMap<Plane, Stack>>(new Map());
+  readonly access = signal<Access>("none");
+  /** There is something to show. */
+  readonly available = computed(() => this.access.value !== "none" && this.stacks.value.size > 0);
   /** Else the picture alone. */
   readonly open = signal(false);
   readonly shown = signal<Shown>("four");
@@ -37,7 +45,7 @@ export class Slices {
   readonly damaged = signal(false);
 
   readonly view = computed<Shown>(() => {
-    if (!this.open.value) return "picture";
+    if (!this.open.value || !this.available.value) return "picture";
     return this.narrow.value && this.shown.value === "four" ? "axial" : this.shown.value;
   });
   readonly picture_shown = computed(() => this.view.value === "picture" || this.view.value === "four");
@@ -47,7 +55,7 @@ export class Slices {
   private readonly store_: SliceStore;
   private readonly stop_: () => void;
   private first_: Window = this.window.value;
-  private volume_ = "";
+  private volume_: string | null = null;
 
   constructor(ask: StoreParts["ask"]) {
     this.store_ = new SliceStore({
@@ -69,14 +77,31 @@ export class Slices {
   /** A connection to a worker, the first or another. */
   configured(stacks: readonly Stack[], header: Header | undefined): void {
     this.damaged.value = false;
-    if (header && header.contentHash !== this.volume_) {
-      this.volume_ = header.contentHash;
+    // Who is not told the volume's hash asks for its slices again after each reconnection.
+    const volume = header && (header.contentHash || JSON.stringify(stacks));
+    if (header && !header.contentHash) this.store_.clear();
+    if (header && volume !== undefined && volume !== this.volume_) {
+      this.volume_ = volume;
       this.store_.clear();
       this.stacks.value = new Map(stacks.map((stack) => [stack.plane, stack]));
       this.first_ = first_window(header);
       this.reset();
     }
     this.store_.connected();
+  }
+
+  allow(access: Access): void {
+    if (access === this.access.value) return;
+    if (access === "none") this.open.value = false;
+    this.store_.clear();
+    this.access.value = access;
+    this.came.value += 1;
+  }
+
+  /** Of another clip than those that have come. */
+  stale(): void {
+    this.store_.clear();
+    this.came.value += 1;
   }
 
   receive(slice: Coming): void {

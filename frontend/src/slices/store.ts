@@ -68,10 +68,13 @@ export class SliceStore {
     if (this.lacking().length > 0) this.plan();
   }
 
-  /** Another volume. */
+  /** Those that have come count no more: of another volume, or of another clip. */
   clear(): void {
+    this.connection_ += 1;
+    this.being_read_.clear();
     this.kept_.clear();
     this.bytes_ = 0;
+    if (this.lacking().length > 0) this.plan();
   }
 
   async receive(slice: Coming): Promise<void> {

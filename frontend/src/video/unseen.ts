@@ -12,6 +12,7 @@ const unheard: StreamEvents = {
   frame: nothing,
   still: nothing,
   slice: nothing,
+  slices_stale: nothing,
   audience: nothing,
   look: nothing,
   state: nothing,

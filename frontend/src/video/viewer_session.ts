@@ -10,6 +10,7 @@ import { first_state, type ConnectionState } from "../protocol/connection";
 import {
   camera_of,
   coming_slice,
+  SliceAccess,
   same_look,
   same_scene,
   stacks_of,
@@ -28,7 +29,7 @@ import {
 } from "../protocol/messages";
 import { effort_from, effort_text, full_effort, type Effort } from "../scene/effort";
 import { changed, nothing_yet, redone, rested, undone, type History, type Moved } from "../scene/history";
-import { Slices } from "../slices/model";
+import { Slices, type Access } from "../slices/model";
 import { reset_part, type Part } from "../scene/parts";
 import { StreamClient } from "../protocol/stream_client";
 import { t } from "../texts";
@@ -70,6 +71,12 @@ const effort_key = "diaphane.effort";
 /** The longest side asked for: what the protocol allows. */
 const longest_side = 4096;
 const remembered_every_ms = 250;
+
+const slice_access: Readonly<Record<SliceAccess, Access>> = {
+  [SliceAccess.NONE]: "none",
+  [SliceAccess.CLIPPED]: "clipped",
+  [SliceAccess.WHOLE]: "whole",
+};
 
 /** One viewer looking at one data set: the stream, the pictures and the scene, without any view. */
 export class ViewerSession {
@@ -147,6 +154,7 @@ export class ViewerSession {
           const coming = coming_slice(slice);
           if (coming) this.slices.receive(coming);
         },
+        slices_stale: () => this.slices.stale(),
         still: (still) => void this.lossless_end_.receive(still),
         state: (state) => {
           this.converged_epoch_ = state.converged ? Number(state.epoch) : -1;
@@ -154,6 +162,7 @@ export class ViewerSession {
         },
         audience: (audience) => {
           this.audience.value = audience;
+          this.slices.allow(slice_access[audience.slices]);
           this.painter_.show_whole(!this.client_.leads);
           if (!this.client_.leads) this.steps.value = nothing_yet;
         },
@@ -231,6 +240,11 @@ export class ViewerSession {
 
   hand_over(to: string): void {
     this.client_.hand_over(to);
+  }
+
+  /** Whether guests may have the slices, inside the clip. */
+  set_guest_slices(on: boolean): void {
+    this.client_.set_guest_slices(on);
   }
 
   use_own_camera(on: boolean): void {

@@ -9,6 +9,7 @@ import { Icon } from "./icons";
 import { Link } from "./router";
 import { Notice } from "./shell";
 import { useApp } from "./state";
+import { Switch } from "./viewer/settings/controls";
 
 export interface ShareScanProps {
   readonly set: DataSet;
@@ -144,12 +145,13 @@ function Links({ set }: { readonly set: DataSet }) {
   const [links, set_links] = useState<readonly DataSetLink[]>([]);
   const [made, set_made] = useState("");
   const [hours, set_hours] = useState("168");
+  const [slices, set_slices] = useState(false);
   const text = t.sharing.links;
   useEffect(() => {
     app.api.sharing.links(set.id).then(set_links, () => undefined);
   }, [app, set.id]);
   const make = () => act(async () => {
-    const link = await app.api.sharing.make_link(set.id, Number(hours));
+    const link = await app.api.sharing.make_link(set.id, Number(hours), slices);
     set_made(location.origin + link.path);
     set_links(await app.api.sharing.links(set.id));
     return text.new_link;
@@ -173,6 +175,7 @@ function Links({ set }: { readonly set: DataSet }) {
           {links.map((link) => (
             <li key={link.id}>
               <span class="people-name">{text.until(date_text(link.expires_at))}</span>
+              {link.slices ? <small>{text.with_slices}</small> : null}
               <button type="button" class="button button-small" disabled={busy} aria-label={text.end_of(date_text(link.expires_at))} onClick={() => end(link)}>{text.end}</button>
             </li>
           ))}
@@ -188,6 +191,8 @@ function Links({ set }: { readonly set: DataSet }) {
         <Choice label={text.life} value={hours} onChoose={set_hours} options={Object.entries(text.lives)} />
         <button type="button" class="button" disabled={busy} onClick={make}>{text.make}</button>
       </div>
+      <Switch label={text.slices} on={slices} change={set_slices} />
+      <p class="field-hint">{text.slices_hint}</p>
       {outcome}
     </section>
   );
@@ -196,15 +201,24 @@ function Links({ set }: { readonly set: DataSet }) {
 function Everybody({ set, onChange }: PartProps) {
   const { app, act, busy, outcome } = use_act();
   const [name, set_name] = useState("");
+  const [slices, set_slices] = useState(set.public_slices);
   const text = t.sharing.everybody;
   useEffect(() => {
     app.api.sharing.public_name().then(set_name, () => undefined);
   }, [app]);
   const publish = () => act(async () => {
     await app.api.sharing.set_public_name(name.trim());
-    onChange(await app.api.sharing.set_visibility(set.id, "public"));
+    onChange(await app.api.sharing.set_visibility(set.id, "public", slices));
     return text.is_public;
   });
+  const show_slices = (on: boolean) => {
+    set_slices(on);
+    if (!set.is_public) return;
+    act(async () => {
+      onChange(await app.api.sharing.set_visibility(set.id, "public", on));
+      return on ? text.slices_shown : text.slices_hidden;
+    });
+  };
   const hide = () => act(async () => {
     onChange(await app.api.sharing.set_visibility(set.id, "private"));
     return text.is_private;
@@ -221,6 +235,8 @@ function Everybody({ set, onChange }: PartProps) {
       ) : (
         <>
           <Field label={text.name} value={name} onInput={set_name} autocomplete="nickname" hint={text.name_hint} most={40} />
+          <Switch label={text.slices} on={slices} disabled={busy} change={show_slices} />
+          <p class="field-hint">{text.slices_hint}</p>
           <p>
             {set.is_public
               ? <button type="button" class="button button-danger" disabled={busy} onClick={hide}>{text.hide}</button>

@@ -40,7 +40,10 @@ export const sharing: Texts["sharing"] = {
   },
   links: {
     title: "Über einen Link",
-    lead: "Wer den Link hat, darf ohne Konto zusehen, bis er abläuft oder Sie ihn beenden.",
+    lead: "Wer den Link hat, kann die ganze Aufnahme ohne Konto in 3D ansehen, bis er abläuft oder Sie ihn beenden.",
+    slices: "Auch die Schichten zeigen",
+    slices_hint: "Dann sind die genauen Werte der ganzen Aufnahme zu sehen, Schicht für Schicht. Um das später zu ändern, beenden Sie den Link und erstellen einen neuen.",
+    with_slices: "mit Schichten",
     life: "Er gilt",
     lives: { 1: "eine Stunde", 24: "einen Tag", 168: "eine Woche", 720: "30 Tage" },
     make: "Link erstellen",
@@ -56,6 +59,10 @@ export const sharing: Texts["sharing"] = {
   everybody: {
     title: "Mit allen",
     lead: "In der Galerie können alle, die hier ein Konto haben, sie ansehen und Voreinstellungen dafür speichern.",
+    slices: "Auch die Schichten zeigen",
+    slices_hint: "Dann sehen alle die genauen Werte der ganzen Aufnahme, Schicht für Schicht.",
+    slices_shown: "Auch ihre Schichten sind zu sehen.",
+    slices_hidden: "Ihre Schichten sind nicht mehr zu sehen. Wer sie gerade ansah, wurde getrennt.",
     first_cut: "Schneiden Sie zuerst weg, woran man den Menschen erkennen könnte, und bestätigen Sie es. An einer Aufnahme kann man ein Gesicht erkennen.",
     cut: "Schneiden und anonym machen",
     name: "Ihr öffentlicher Name",

@@ -32,6 +32,7 @@ export const slices: Texts["slices"] = {
   place: (parts) => `${parts.map(({ side, mm }) => `${side} ${fixed(mm, 1)}`).join("  ")} mm`,
   hu: (value) => `${value} HE`.replace("-", "−"),
   value: (value) => `Wert ${value}`.replace("-", "−"),
+  cut_away: "Weggeschnitten",
   nothing: "Außerhalb der Aufnahme",
   ruler: (mm) => `${fixed(mm, 1)} mm`,
   angle: (degrees) => `${fixed(degrees, 1)}°`,

@@ -38,7 +38,10 @@ export const sharing = {
   },
   links: {
     title: "By a link",
-    lead: "Whoever has the link may look, without an account, until it expires or you end it.",
+    lead: "Anyone with the link can look at the whole scan in 3D, without an account, until it expires or you end it.",
+    slices: "Show the slices too",
+    slices_hint: "They then see the exact values of the whole scan, slice by slice. To change this later, end the link and make another.",
+    with_slices: "with slices",
     life: "It works for",
     lives: { 1: "an hour", 24: "a day", 168: "a week", 720: "30 days" } as Readonly<Record<number, string>>,
     make: "Make a link",
@@ -54,6 +57,10 @@ export const sharing = {
   everybody: {
     title: "With everybody",
     lead: "In the gallery everybody with an account here can look at it and save presets for it.",
+    slices: "Show the slices too",
+    slices_hint: "Everybody then sees the exact values of the whole scan, slice by slice.",
+    slices_shown: "Its slices are shown too.",
+    slices_hidden: "Its slices are no longer shown. Anyone who was looking has been disconnected.",
     first_cut: "First cut away what could show who it is, and confirm it. A face can be recognised from a scan.",
     cut: "Cut and make anonymous",
     name: "Your public name",

@@ -31,6 +31,7 @@ export const slices = {
   hu: (value: number) => `${value} HU`.replace("-", "−"),
   value: (value: number) => `Value ${value}`.replace("-", "−"),
   nothing: "Outside of the scan",
+  cut_away: "Cut away",
   ruler: (mm: number) => `${mm.toFixed(1)} mm`,
   angle: (degrees: number) => `${degrees.toFixed(1)}°`,
   said: (title: string, value: string, place: string) => `${title}, ${value}, ${place}`,

@@ -39,7 +39,7 @@ function Facts({ report }: { readonly report: KernelReport }) {
         <dt>{text.compiled_in}</dt>
         <dd data-fact="compiled-in">{named(report.compiledIn)}</dd>
       </dl>
-      <p>{text.empty(report.emptyCells)}{report.registers === undefined ? "" : ` ${text.registers(report.registers)}`}</p>
+      <p>{[report.emptyCells === undefined ? "" : text.empty(report.emptyCells), report.registers === undefined ? "" : text.registers(report.registers)].filter(Boolean).join(" ")}</p>
     </>
   );
 }

@@ -7,6 +7,7 @@ import type { ViewerSession } from "../../video/viewer_session";
 import { Dialog } from "../dialog";
 import { Icon } from "../icons";
 import { useApp } from "../state";
+import { Switch } from "./settings/controls";
 
 export const shown_name = (one: Participant): string => one.name || t.live.owner;
 
@@ -39,6 +40,7 @@ export function ShareDialog({ session, role, owner, onClose }: ShareDialogProps)
           </li>
         ))}
       </ul>
+      {role.presents && !role.guest && role.others > 0 ? <p class="field-hint">{t.live.hand_over_hint}</p> : null}
       {owner && role.follows && role.presenter === null ? <TakeBack session={session} you={role.you} /> : null}
       {session.problem.value && role.presenter !== null ? <p class="field-fault" role="alert">{session.problem.value}</p> : null}
       <div class="dialog-buttons">
@@ -77,6 +79,7 @@ function LinkPart({ session }: { readonly session: ViewerSession }) {
   const [path, set_path] = useState(() => tab.getItem(memory(id)));
   const [said, set_said] = useState("");
   const [busy, set_busy] = useState(false);
+  const audience = session.audience.value;
   const url = path === null ? "" : location.origin + path;
 
   const act = (work: () => Promise<void>) => {
@@ -113,6 +116,12 @@ function LinkPart({ session }: { readonly session: ViewerSession }) {
           <p><button type="button" class="button button-danger" disabled={busy} onClick={end}>{t.live.end_link}</button></p>
         </>
       )}
+      {audience?.setsGuestSlices ? (
+        <>
+          <Switch label={t.live.guest_slices} on={audience.guestSlices} change={(on) => session.set_guest_slices(on)} />
+          <p class="field-hint">{t.live.guest_slices_hint}</p>
+        </>
+      ) : null}
       <p class="muted" role="status">{said}</p>
     </div>
   );

@@ -203,7 +203,7 @@ export function Viewer({ place, title, set = null, onChange = () => undefined, o
           <OrientationCube session={session} />
           {onCut && place.data_set_id !== null ? <CutPanel session={session} data_set_id={place.data_set_id} onConfirm={onCut} /> : null}
           {role.presents && !onCut ? <Presets session={session} /> : null}
-          {onCut ? null : <Settings session={session} leads={role.presents} picture={picture} />}
+          {onCut ? null : <Settings session={session} leads={role.presents} cuts={!role.guest} picture={picture} />}
           {onCut ? null : <QualityPanel session={session} />}
           {role.presents && !onCut && session.picture.value ? <Hints onDone={() => canvas.current?.focus()} /> : null}
         </>

@@ -21,7 +21,7 @@ export function CutsWindow(props: PictureWindowProps) {
       <KeepHandles picture={props.picture} which="cuts" />
       <BoxPart {...props} bounds={bounds} />
       <PlanesPart {...props} bounds={bounds} />
-      <SlicesPart {...props} bounds={bounds} grey={{ centre: volume.windowCenter, width: volume.windowWidth }} />
+      {props.session.slices.access.value === "none" ? null : <SlicesPart {...props} bounds={bounds} grey={{ centre: volume.windowCenter, width: volume.windowWidth }} />}
     </>
   );
 }

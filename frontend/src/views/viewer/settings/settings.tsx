@@ -17,6 +17,8 @@ export interface SettingsProps {
   readonly session: ViewerSession;
   /** The scene is this person's to change. */
   readonly leads: boolean;
+  /** So is what is cut away of the scan. */
+  readonly cuts: boolean;
   readonly picture: InPicture;
 }
 
@@ -25,7 +27,7 @@ const views = { look: LookWindow, light: LightWindow, lens: LensWindow, cuts: Cu
 const narrow_page = "(max-width: 700px), (max-height: 420px)";
 
 /** The menu at the left, and the windows that it opens (thesis, 4.1 and 5.3). */
-export function Settings({ session, leads, picture }: SettingsProps) {
+export function Settings({ session, leads, cuts, picture }: SettingsProps) {
   const [layout, set_layout] = useState<Layout>(() => remembered_layout(tab));
   const [fresh, set_fresh] = useState<WindowName | null>(null);
   const narrow = use_media(narrow_page);
@@ -49,8 +51,9 @@ export function Settings({ session, leads, picture }: SettingsProps) {
   const shown = narrow ? layout.open.slice(-1) : layout.open;
   const open_names = shown.join();
   useEffect(() => {
-    picture.open.value = leads ? (["cuts", "light"] as const).filter((name) => open_names.split(",").includes(name)) : [];
-  }, [picture, leads, open_names]);
+    const held = cuts ? (["cuts", "light"] as const) : (["light"] as const);
+    picture.open.value = leads ? held.filter((name) => open_names.split(",").includes(name)) : [];
+  }, [picture, leads, cuts, open_names]);
   const step_button = (icon: "undo" | "redo", way: () => void, possible: boolean) => (
     <button type="button" class="icon-button" aria-label={t.settings[icon]} title={t.settings[icon]} aria-keyshortcuts={t.settings.shortcuts[icon]}
       aria-disabled={!possible} onClick={() => {
@@ -74,11 +77,12 @@ export function Settings({ session, leads, picture }: SettingsProps) {
       </nav>
       {shown.map((name) => {
         const View = views[name];
+        const may_change = leads && (name !== "cuts" || cuts);
         return (
           <SettingsWindow key={name} name={name} layout={layout} narrow={narrow} fresh={fresh === name}
             onMove={(x, y) => change(moved(layout, name, x, y, { width: innerWidth, height: innerHeight }))}
-            onDock={() => change(docked(layout, name))} onClose={() => close(name)} onReset={leads ? () => session.reset(name) : null}>
-            <View session={session} leads={leads} picture={picture} />
+            onDock={() => change(docked(layout, name))} onClose={() => close(name)} onReset={may_change ? () => session.reset(name) : null}>
+            <View session={session} leads={may_change} picture={picture} />
           </SettingsWindow>
         );
       })}

@@ -1,6 +1,6 @@
 import type { Area } from "../../../input/flat";
 import { useEffect, useLayoutEffect, useMemo, useRef, useState } from "preact/hooks";
-import type { Slices } from "../../../slices/model";
+import { blank, type Slices } from "../../../slices/model";
 import { edges_of, is_inside, said_place, type Plane, type Stack } from "../../../slices/stack";
 import type { Vec3 } from "../../../input/vec3";
 import { Modality, type VolumeHeader } from "../../../protocol/messages";
@@ -94,6 +94,7 @@ function said_value(slices: Slices, stack: Stack, volume: VolumeHeader, place: V
   if (!is_inside(volume, place)) return t.slices.nothing;
   const value = slices.value_at(stack, place);
   if (value === null) return "…";
+  if (value === blank && slices.access.value === "clipped") return t.slices.cut_away;
   return volume.modality === Modality.CT ? t.slices.hu(value) : t.slices.value(value);
 }
 

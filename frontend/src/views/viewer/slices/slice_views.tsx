@@ -36,7 +36,7 @@ export function SliceViews({ session }: { readonly session: ViewerSession }) {
 export function SlicesLine({ session }: { readonly session: ViewerSession }) {
   const slices = session.slices;
   const volume = session.volume.value;
-  if (!slices.open.value || !volume) return null;
+  if (!slices.open.value || !slices.available.value || !volume) return null;
   const fault = !can_inflate() ? t.slices.unsupported : slices.damaged.value ? t.slices.damaged : "";
   return (
     <section class="slice-line" aria-label={t.slices.bar}>
@@ -53,7 +53,7 @@ export function SlicesButton({ session: { slices } }: { readonly session: Viewer
     slices.narrow.value = narrow;
   }, [slices, narrow]);
   const shown = slices.open.value;
-  if (slices.stacks.value.size === 0) return null;
+  if (!slices.available.value) return null;
   return (
     <button type="button" class="icon-button tool-slices" aria-label={shown ? t.slices.close : t.slices.open} title={shown ? t.slices.close : t.slices.open}
       aria-pressed={shown} onClick={() => toggle_slices(slices)}>
@@ -62,8 +62,8 @@ export function SlicesButton({ session: { slices } }: { readonly session: Viewer
   );
 }
 
-export function toggle_slices({ open, stacks }: Slices): void {
-  if (stacks.value.size > 0) open.value = !open.value;
+export function toggle_slices({ open, available }: Slices): void {
+  if (available.value) open.value = !open.value;
 }
 
 /** The view that has the focus alone, or all four again. */
