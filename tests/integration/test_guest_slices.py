@@ -1,0 +1,304 @@
+"""What guests of a live session and visitors get of a scan: the clipped picture, and slices only where the owner allows them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import secrets
+import time
+
+import numpy as np
+import pytest
+from api_client import client, person
+from stream_help import ClientMessage, Viewer, open_session, store_ball
+from test_live_sessions import Guest, hand_over, link_of
+from test_slices import AXIAL, CORONAL, SAGITTAL, stored, values, wish
+
+BLANK = -32768
+NONE, CLIPPED, WHOLE = 0, 1, 2
+SIZE, SPACING = 48, 2.0
+
+
+def textured(running, data_set: str) -> np.ndarray:
+    """The scan's voxels, each with a value that tells its place (z, y, x)."""
+    folder = running.data_dir / "volumes" / data_set
+    return stored(folder)
+
+
+@pytest.fixture(scope="module")
+def scan(running, one) -> str:
+    """A scan whose voxels differ from their neighbours, so that a voxel that leaks is known."""
+    data_set = store_ball(running, one)
+    folder = running.data_dir / "volumes" / data_set
+    z, y, x = np.mgrid[:SIZE, :SIZE, :SIZE]
+    ball = np.hypot(np.hypot(x - 23.5, y - 23.5), z - 23.5) < 0.35 * SIZE
+    voxels = np.where(ball, 1000, -900) + (x * 7 + y * 13 + z * 31) % 97
+    (folder / "voxels.i16").write_bytes(voxels.astype("<i2").tobytes())
+
+    header = json.loads((folder / "volume.json").read_text())
+    header["minimum"], header["maximum"] = int(voxels.min()), int(voxels.max())
+    header["contentHash"] = "blake2b:" + hashlib.blake2b(voxels.astype("<i2").tobytes(), digest_size=32).hexdigest()
+    (folder / "volume.json").write_text(json.dumps(header))
+    return data_set
+
+
+def clip_to_box(viewer: Viewer, low: float = -3, high: float = 3, plane: tuple | None = None) -> int:
+    """The presenter cuts away all but a box of 6 mm."""
+    message = ClientMessage()
+    viewer.input_seq += 1
+    message.scene.input_seq = viewer.input_seq
+    message.scene.scene.CopyFrom(viewer.config.scene)
+    clip = message.scene.scene.clip
+    clip.Clear()
+    for axis in "xyz":
+        setattr(clip.box_low, axis, low)
+        setattr(clip.box_high, axis, high)
+    if plane:
+        cut = clip.planes.add()
+        cut.point.x, cut.point.y, cut.point.z = plane[0]
+        cut.normal.x, cut.normal.y, cut.normal.z = plane[1]
+    viewer.config.scene.CopyFrom(message.scene.scene)
+    viewer.send(message)
+    viewer.frame(condition=lambda frame: frame.input_seq >= viewer.input_seq)
+    return viewer.input_seq
+
+
+def inside(low: float = -3, high: float = 3, plane: tuple | None = None) -> np.ndarray:
+    """Which voxels' centres lie inside the clip (z, y, x), by the words of scene.proto."""
+    mm = (np.arange(SIZE) - (SIZE - 1) / 2) * SPACING
+    z, y, x = np.meshgrid(mm, mm, mm, indexing="ij")
+    kept = np.ones((SIZE,) * 3, bool)
+    for axis in (x, y, z):
+        kept &= (axis >= low) & (axis <= high)
+    if plane:
+        (px, py, pz), (nx, ny, nz) = plane
+        kept &= (x - px) * nx + (y - py) * ny + (z - pz) * nz <= 0
+    return kept
+
+
+def of_slice(voxels: np.ndarray, piece) -> np.ndarray:
+    """The voxels of a slice as a radiologist sees it."""
+    if piece.plane == AXIAL:
+        return voxels[piece.index]
+    return voxels[::-1, piece.index, :] if piece.plane == CORONAL else voxels[::-1, :, piece.index]
+
+
+def ask_for_all(viewer: Viewer, plane: int = AXIAL, count: int = 40) -> list:
+    """As the attack did: slice after slice. What came, slices and refusals."""
+    got, taken = [], 0
+    for index in range(count):
+        wish(viewer, (plane, index), taken=taken)
+        while True:
+            message = viewer.receive(15)
+            kind = message.WhichOneof("body")
+            if kind == "slice":
+                got.append(message.slice)
+                taken = message.slice.seq
+                break
+            if kind == "problem":
+                got.append(message.problem)
+                break
+    return got
+
+
+def is_refused(got: list) -> bool:
+    return bool(got) and all(not hasattr(one, "data") and one.code == "forbidden" and one.field == "slices" and not one.fatal for one in got)
+
+
+def set_guest_slices(viewer: Viewer, on: bool) -> None:
+    message = ClientMessage()
+    message.guest_slices.on = on
+    viewer.send(message)
+
+
+def visitor(running, **what: str) -> Viewer:
+    answer = client(running).post("/v1/visits", json={"key": secrets.token_hex(32), **what})
+    assert answer.status_code == 201, answer.text
+    return Viewer(running.url, answer.json()["stream_url"])
+
+
+def audience(viewer: Viewer):
+    return viewer.until("audience")
+
+
+def test_a_guest_gets_no_voxel_unless_the_owner_allows_it(running, one, scan):
+    session, url = open_session(one, scan)
+    owner = Viewer(running.url, url)
+    assert audience(owner).slices == WHOLE
+    clip_to_box(owner)
+    guest = Guest(running, link_of(one, session)).join()
+    assert audience(guest).slices == NONE
+    for plane in (AXIAL, CORONAL, SAGITTAL):
+        assert is_refused(ask_for_all(guest, plane))
+    # Nor does anything else tell what is cut away.
+    config = guest.config
+    assert config.volume.content_hash == "" and not config.volume.percentiles and not config.HasField("histogram")
+    values_of_points = [point.value for channel in config.scene.transfer_function.channels for point in channel.opacity]
+    assert (config.volume.minimum, config.volume.maximum) == (round(min(values_of_points)), round(max(values_of_points)))
+    assert owner.config.volume.content_hash and owner.config.HasField("histogram")
+    # The owner's own slices are whole as before, whatever is cut away in the picture.
+    wish(owner, (AXIAL, 7))
+    assert np.array_equal(values(owner.until("slice")), textured(running, scan)[7])
+    for viewer in (guest, owner):
+        viewer.leave()
+    one.http.delete(f"/v1/sessions/{session}")
+
+
+@pytest.mark.parametrize("plane", [None, ((0.3, 0, -0.5), (0.5, -0.8, 0.33))], ids=["box", "box-and-rotated-plane"])
+def test_allowed_slices_hold_only_what_is_inside_the_clip(running, one, scan, plane):
+    session, url = open_session(one, scan)
+    owner = Viewer(running.url, url)
+    clip_to_box(owner, plane=plane)
+    guest = Guest(running, link_of(one, session)).join()
+    assert audience(guest).slices == NONE
+    set_guest_slices(owner, True)
+    there = guest.until("audience", condition=lambda who: who.slices == CLIPPED)
+    assert there.guest_slices and not there.sets_guest_slices
+    voxels, kept = textured(running, scan), inside(plane=plane)
+    assert 0 < kept.sum() <= 27 * 8
+    shown = 0
+    for across in (AXIAL, CORONAL, SAGITTAL):
+        for piece in ask_for_all(guest, across, SIZE):
+            expected = np.where(of_slice(kept, piece), of_slice(voxels, piece), BLANK)
+            assert np.array_equal(values(piece), expected)
+            shown += int((values(piece) != BLANK).sum())
+    assert shown == 3 * kept.sum(), "all of what is inside, in each of the three directions"
+    # More is shown: the guest is told, and asks again.
+    clip_to_box(owner, -10, 10)
+    guest.until("slices_stale")
+    wish(guest, (AXIAL, 24), taken=2**62)
+    piece = guest.until("slice")
+    assert np.array_equal(values(piece), np.where(inside(-10, 10)[24], voxels[24], BLANK))
+    # Switched off, they end at once.
+    set_guest_slices(owner, False)
+    guest.until("audience", condition=lambda who: who.slices == NONE)
+    assert is_refused(ask_for_all(guest, AXIAL, 3))
+    guest.leave()
+    owner.leave()
+    one.http.delete(f"/v1/sessions/{session}")
+
+
+def test_a_guest_who_presents_or_has_a_camera_of_their_own_cannot_undo_the_clip(running, one, scan):
+    session, url = open_session(one, scan)
+    owner = Viewer(running.url, url)
+    clip_to_box(owner)
+    guest = Guest(running, link_of(one, session))
+    follower = guest.join()
+    clip = owner.config.scene.clip.SerializeToString(deterministic=True)
+    on = ClientMessage()
+    on.own_camera.on = True
+    follower.send(on)
+    mine = follower.until("config", condition=lambda config: not config.follower)
+    assert mine.volume.content_hash == "" and not mine.HasField("histogram")
+    assert mine.scene.clip.SerializeToString(deterministic=True) == clip
+    off = ClientMessage()
+    off.own_camera.on = False
+    follower.send(off)
+    follower.config = follower.until("config", condition=lambda config: config.follower)
+    # Presenting, a guest changes the picture, and not what is cut away.
+    hand_over(owner, guest.id)
+    follower.until("audience", condition=lambda who: who.presenter == guest.id)
+    follower.config.scene.clip.Clear()
+    follower.config.scene.slices.axial.shown = True
+    follower.config.scene.slices.window_width = 1
+    follower.input_seq = 1000
+    seq = follower.turn(20)
+    look = owner.until("look", condition=lambda one: one.input_seq == seq)
+    assert look.scene.clip.SerializeToString(deterministic=True) == clip
+    assert not look.scene.slices.axial.shown
+    assert look.scene.camera.eye.x == pytest.approx(follower.config.scene.camera.eye.x)
+    assert is_refused(ask_for_all(follower, AXIAL, 3))
+    # And neither lets slices be seen, nor makes files.
+    set_guest_slices(follower, True)
+    assert follower.until("problem").field == "guest_slices"
+    film = ClientMessage()
+    film.file.picture.width = film.file.picture.height = 64
+    film.file.picture.error = 1
+    follower.send(film)
+    refusal = follower.until("problem")
+    assert (refusal.code, refusal.field) == ("forbidden", "file")
+    follower.leave()
+    owner.leave()
+    one.http.delete(f"/v1/sessions/{session}")
+
+
+@pytest.mark.parametrize("allowed", [False, True])
+def test_a_visitor_by_a_link_has_slices_only_of_a_link_that_allows_them(running, one, scan, allowed):
+    body = {"hours": 1, "slices": True} if allowed else {"hours": 1}
+    link = one.http.post(f"/v1/data-sets/{scan}/links", json=body).json()
+    assert link["slices"] is allowed
+    assert [known["slices"] for known in one.http.get(f"/v1/data-sets/{scan}/links").json()["items"] if known["id"] == link["id"]] == [allowed]
+    viewer = visitor(running, token=link["token"])
+    assert audience(viewer).slices == (CLIPPED if allowed else NONE)
+    assert viewer.config.volume.content_hash == ""
+    clip_to_box(viewer)
+    got = ask_for_all(viewer)
+    if allowed:
+        voxels, kept = textured(running, scan), inside()
+        for piece in got:
+            assert np.array_equal(values(piece), np.where(kept[piece.index], voxels[piece.index], BLANK))
+    else:
+        assert is_refused(got)
+        # Nor as cross-sections in the picture.
+        viewer.config.scene.slices.axial.shown = True
+        viewer.config.scene.slices.window_width = 1
+        viewer.turn(1)
+        viewer.leave()
+        viewer = visitor(running, token=link["token"])
+        assert not viewer.config.scene.slices.axial.shown
+    viewer.leave()
+    one.http.delete(f"/v1/data-sets/{scan}/links/{link['id']}")
+
+
+def test_of_a_sample_a_visitor_has_the_slices_inside_the_clip(running, one, scan):
+    running.psql("UPDATE data_sets SET is_sample = true, visibility = 'public', published_at = now(), anonymised_at = now() WHERE id = %s", scan)
+    try:
+        viewer = visitor(running, data_set_id=scan)
+        assert audience(viewer).slices == CLIPPED
+        clip_to_box(viewer)
+        voxels, kept = textured(running, scan), inside()
+        for piece in ask_for_all(viewer):
+            assert np.array_equal(values(piece), np.where(kept[piece.index], voxels[piece.index], BLANK))
+        viewer.leave()
+    finally:
+        running.psql("UPDATE data_sets SET is_sample = false, visibility = 'private', published_at = NULL WHERE id = %s", scan)
+
+
+def test_of_a_public_scan_others_have_slices_while_its_owner_allows_them(running, one, scan):
+    running.psql("UPDATE data_sets SET anonymised_at = now() WHERE id = %s", scan)
+    path = f"/v1/data-sets/{scan}/visibility"
+    assert one.http.post(path, json={"visibility": "public"}).json()["public_slices"] is False
+    other = person(running)
+    session, url = open_session(other, scan)
+    viewer = Viewer(running.url, url)
+    assert audience(viewer).slices == NONE and is_refused(ask_for_all(viewer, AXIAL, 3))
+    viewer.leave()
+    other.http.delete(f"/v1/sessions/{session}")
+    assert one.http.post(path, json={"visibility": "public", "slices": True}).json()["public_slices"] is True
+    session, url = open_session(other, scan)
+    mine, mine_url = open_session(one, scan)
+    viewer = Viewer(running.url, url)
+    assert audience(viewer).slices == WHOLE
+    wish(viewer, (AXIAL, 7))
+    assert np.array_equal(values(viewer.until("slice")), textured(running, scan)[7])
+    # Taken back, the sessions of those who had them end, and nobody else's.
+    assert one.http.post(path, json={"visibility": "public"}).json()["public_slices"] is False
+    assert other.http.get(f"/v1/sessions/{session}").status_code == 404
+    assert one.http.get(f"/v1/sessions/{mine}").status_code == 200
+    assert viewer.close_code() not in (1000, 1006)
+    one.http.post(path, json={"visibility": "private"})
+    one.http.delete(f"/v1/sessions/{mine}")
+
+
+def test_slices_come_at_a_bounded_rate(running, one, scan):
+    session, url = open_session(one, scan)
+    viewer = Viewer(running.url, url)
+
+    begun, got, taken = time.monotonic(), 0, 0
+    while (seconds := time.monotonic() - begun) < 4:
+        wish(viewer, (AXIAL, got % SIZE), taken=taken)
+        piece = viewer.until("slice", 5)
+        taken, got = piece.seq, got + 1
+    assert got <= 120 + 120 * (seconds + 1), "a burst of 120, and 120 a second"
+    viewer.leave()
+    one.http.delete(f"/v1/sessions/{session}")
