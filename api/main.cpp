@@ -86,6 +86,7 @@ struct Settings {
   std::uint16_t api_port = 0, admin_port = 0;
   DataSets::Options data_sets;
   std::int64_t export_total_bytes = 0;
+  int visitor_percent = kVisitorPercent;
   wire::InnerTls tls;
 };
 
@@ -93,6 +94,9 @@ Settings read_settings(ConfigReader& in) {
   Settings s;
   s.redis = in.text("redis", "host:port, rediss://host:port with TLS, or unix:PATH");
   s.fleet = in.text("fleet", "RenderFleet that grows for who finds no place", "");
+  s.visitor_percent = static_cast<int>(in.integer(
+      "visitor-share", "percent of all slots that people without an account may hold together", 0,
+      100, kVisitorPercent));
   s.tls = wire::read_inner_tls(in);
   wire::check_address(in, "redis", s.redis, s.tls);
   s.postgres = postgres::read_url(in, s.tls.plain_allowed);
@@ -155,7 +159,8 @@ int serve(const Settings& settings, service::StopSignal& stop) {
     std::fprintf(stderr, "--redis: %s\n", redis_client.error().message.c_str());
     return kExitConfig;
   }
-  redis::Sessions placed(**redis_client, {}, settings.fleet);
+  redis::Sessions placed(**redis_client, {.visitor_percent = settings.visitor_percent},
+                         settings.fleet);
   Database database(settings.postgres, kConnections);
   AccountRepository account_store(database);
   DataSetRepository data_set_store(database);
@@ -225,7 +230,7 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   ReportRepository report_store(database);
   Reports reports(data_sets, presets, report_store, account_store, clock,
                   [&](const std::string& data_set) { sharing.end_lost_sessions(data_set); });
-  LiveLinks live_links(data_sets, placed, link_store);
+  LiveLinks live_links(data_sets, placed, link_store, account_store, clock, {});
   stream::WorkerStills stills(placed, settings.tls);
   Thumbnails thumbnails(data_sets, stills, settings.cache_dir);
   PresetPictures preset_pictures(data_sets, presets, preset_store, stills, clock,

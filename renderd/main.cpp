@@ -52,6 +52,7 @@ struct Settings {
   EngineChoice engine = EngineChoice::kAuto;
   unsigned threads = 0;
   std::size_t slots = 0;
+  int visitor_percent = kVisitorPercent;
   double max_error = 0;
   std::uint64_t volume_bytes = 0;
   std::string copies_dir;
@@ -176,6 +177,10 @@ Settings read_settings(ConfigReader& in) {
   settings.threads =
       static_cast<unsigned>(in.integer("threads", "of the CPU engine; 0: all cores", 0, 1024, 0));
   settings.slots = static_cast<std::size_t>(in.integer("slots", "sessions at most", 1, 4096, 8));
+  settings.visitor_percent = static_cast<int>(in.integer(
+      "visitor-share",
+      "percent of the slots, and of the device, that people without an account may have together",
+      0, 100, kVisitorPercent));
   const std::string error =
       in.text("max-error", "relative error at which a picture counts as converged", "0.01");
   char* end = nullptr;
@@ -313,6 +318,7 @@ int run(int argc, char** argv) {
   const unsigned cores = std::thread::hardware_concurrency();
   worker_options.encoder_threads = std::clamp(info.queues ? cores / 2 : cores / 4, 1U, 16U);
   worker_options.host.slots = settings.slots;
+  worker_options.host.visitor_percent = settings.visitor_percent;
   worker_options.host.mark_frames = settings.mark_frames;
   worker_options.runner.rules.target_error = settings.max_error;
   worker_options.policy = settings.policy;

@@ -24,7 +24,7 @@ std::vector<Route> live_routes(LiveLinks& links, const Front& front) {
     const std::string key = in.text("key", 64, 64);
     const std::string name = in.text_or("name", "", 64);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto joined = links.join(token, key, name);
+    const auto joined = links.join(token, key, name, request.address);
     if (!joined) return tl::unexpected(joined.error());
     return json_response(
         201, {{"participant", joined->participant}, {"stream_url", joined->stream_url}});

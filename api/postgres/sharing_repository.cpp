@@ -231,7 +231,8 @@ Result<void> SharingRepository::set_public_name(const std::string& user_id,
   });
 }
 
-Result<Visit> SharingRepository::note_visit(const Visit& visit, int most, Time now) {
+Result<Visit> SharingRepository::note_visit(const Visit& visit, const VisitLimits& limits,
+                                            Time now) {
   return database_.transact([&](pqxx::work& transaction) -> Result<Visit> {
     // One count after the other: the bound holds for visitors who come together.
     transaction.exec("LOCK TABLE visits IN SHARE ROW EXCLUSIVE MODE");
@@ -245,17 +246,29 @@ Result<Visit> SharingRepository::note_visit(const Visit& visit, int most, Time n
       return noted;
     }
     const auto count = transaction.exec_params1(
-        "SELECT count(*) FROM visits WHERE expires_at > to_timestamp($1::bigint / 1e6)",
-        to_us(now));
-    if (count[0].as<int>() >= most) return fail(ErrorCode::kTooMany, "No place for visitors.");
+        R"sql(
+        SELECT count(*), count(*) FILTER (WHERE address_hash = $2),
+               count(*) FILTER (WHERE link_id = $3::uuid)
+          FROM visits WHERE expires_at > to_timestamp($1::bigint / 1e6))sql",
+        to_us(now), visit.address_hash, visit.link_id.empty() ? nullptr : visit.link_id.c_str());
+    if (count[0].as<int>() >= limits.most) {
+      return fail(ErrorCode::kTooMany, "As many visits as there may be.");
+    }
+    if (count[1].as<int>() >= limits.by_address) {
+      return fail(ErrorCode::kTooMany, "As many visits as an address may have.", "address");
+    }
+    if (count[2].as<int>() >= limits.by_link) {
+      return fail(ErrorCode::kTooMany, "As many visits as a link may have.", "link");
+    }
     transaction.exec_params0(
         R"sql(
-        INSERT INTO visits (session_id, data_set_id, link_id, expires_at)
-        SELECT $1, d.id, $3::uuid, to_timestamp($4::bigint / 1e6) FROM data_sets d
+        INSERT INTO visits (session_id, data_set_id, link_id, expires_at, address_hash)
+        SELECT $1, d.id, $3::uuid, to_timestamp($4::bigint / 1e6), $5 FROM data_sets d
          WHERE d.id = $2 AND ($3::uuid IS NULL OR EXISTS (SELECT 1 FROM data_set_links WHERE id = $3::uuid))
         ON CONFLICT (session_id) DO UPDATE SET expires_at = excluded.expires_at)sql",
         visit.session_id, visit.data_set_id,
-        visit.link_id.empty() ? nullptr : visit.link_id.c_str(), to_us(visit.expires_at));
+        visit.link_id.empty() ? nullptr : visit.link_id.c_str(), to_us(visit.expires_at),
+        visit.address_hash);
     return noted;
   });
 }

@@ -26,7 +26,7 @@ class SharingRepository final : public SharingStore {
                                        const GalleryQuestion& question) override;
   Result<std::string> public_name(const std::string& user_id) override;
   Result<void> set_public_name(const std::string& user_id, const std::string& name) override;
-  Result<Visit> note_visit(const Visit& visit, int most, Time now) override;
+  Result<Visit> note_visit(const Visit& visit, const VisitLimits& limits, Time now) override;
   Result<Visit> find_visit(const std::string& session_id, Time now) override;
   Result<std::vector<std::string>> expired_visits(Time now) override;
   Result<void> forget_visit(const std::string& session_id) override;

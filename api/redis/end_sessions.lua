@@ -12,6 +12,7 @@ local function finish(session)
   for _, hash in ipairs(redis.call('SMEMBERS', session_key .. ':links')) do
     redis.call('DEL', 'diaphane:link:' .. hash)
   end
+  redis.call('ZREM', 'diaphane:visitors', session)
   redis.call('DEL', session_key, session_key .. ':links')
   -- For the worker's heartbeats: ended, not lost.
   redis.call('SET', session_key .. ':ended', '1', 'EX', 60)

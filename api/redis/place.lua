@@ -6,14 +6,17 @@
 --       what a session that is new shows first (a serialised Scene), or empty;
 --       the fleet that is to grow for who finds no place, or empty;
 --       the sign-in (browser) that asks on the owner's behalf, or empty of guests and visitors;
---       what the ticket's holder is to the scan (SessionViewer), and whether its owner lets them have slices (1 or 0)
--- Returns {"placed", worker, placement}, or {why}: "signed_out", "not_yours", "too_many", "no_worker", "full", "no_memory".
+--       what the ticket's holder is to the scan (SessionViewer), and whether its owner lets them have slices (1 or 0);
+--       "1" when somebody without an account asks; percent of the slots that such people may hold together;
+--       from where that person asks (a hash): from one place at most half of that share is taken
+-- Returns {"placed", worker, placement}, or {why}: "signed_out", "not_yours", "too_many", "no_worker", "full", "no_memory", "visitors".
 -- Nothing is written unless it is placed, but that it was not. The keys of workers are not known beforehand, so none are declared: this wants
 -- one Redis, not a Redis Cluster.
 
 local session, user, data_set, ticket, epoch = ARGV[1], ARGV[2], ARGV[3], ARGV[4], ARGV[5]
 local reservation_ms, ticket_s, session_s = tonumber(ARGV[6]), tonumber(ARGV[7]), tonumber(ARGV[8])
 local most_placed, most_remembered = tonumber(ARGV[9]), tonumber(ARGV[10])
+local by_visitor, visitor_percent, visitor_from = ARGV[19] == '1', tonumber(ARGV[20] or '0'), ARGV[21] or ''
 
 -- A request that was authenticated just before its browser was signed out must not open a stream afterwards.
 local browser = ARGV[16]
@@ -30,6 +33,10 @@ local data_set_key = 'diaphane:data_set:' .. data_set .. ':sessions'
 local kSample, kTries, kLookers = 64, 8, 16
 -- A volume that is there already spares a second at the start, and memory; so much of a device is more than it is worth.
 local kVolumeWorth = 0.25
+-- Added to the score of a worker whose free slots visitors hold: an account holder takes one of those when there is no other.
+local kDisplaces = 1000
+-- Sessions of visitors and guests on all workers, each with its expiry.
+local kVisitors = 'diaphane:visitors'
 
 local function entries_of(worker) return 'diaphane:worker:' .. worker .. ':sessions' end
 
@@ -45,21 +52,22 @@ local function has_refused(worker)
   return until_ms and tonumber(until_ms) > now
 end
 
-local known = redis.call('HMGET', session_key, 'user', 'data_set', 'worker', 'incarnation', 'placement')
+local known = redis.call('HMGET', session_key, 'user', 'data_set', 'worker', 'incarnation', 'placement', 'visitor')
 if known[1] and (known[1] ~= user or known[2] ~= data_set) then return {'not_yours'} end
 local old_worker = known[3]
 
 -- A worker as this script needs it, or nothing when it can take no session.
 local function usable(worker)
   local w = redis.call('HMGET', 'diaphane:worker:' .. worker,
-                       'incarnation', 'epoch', 'draining', 'slots', 'load', 'volumes', 'expected', 'sessions')
+                       'incarnation', 'epoch', 'draining', 'slots', 'load', 'volumes', 'expected', 'sessions', 'visitors')
   if not w[1] then
     redis.call('SREM', 'diaphane:workers', worker)
     return nil
   end
   if w[2] ~= epoch or w[3] == '1' then return nil end
   return {id = worker, incarnation = w[1], slots = tonumber(w[4]) or 0, load = tonumber(w[5]) or 0,
-          volumes = ',' .. (w[6] or '') .. ',', expected = tonumber(w[7]), sessions = tonumber(w[8]) or 0}
+          volumes = ',' .. (w[6] or '') .. ',', expected = tonumber(w[7]), sessions = tonumber(w[8]) or 0,
+          visitors = tonumber(w[9]) or 0}
 end
 
 -- What a worker's sessions are expected to take of its device (docs/adr/0032); who came since it said so is not known, and takes a slot's share.
@@ -77,6 +85,7 @@ local function better(a, b)
 end
 
 local chosen, placement
+local is_new = false  -- placed anew, not found where it was
 if old_worker then
   local w = usable(old_worker)
   if w and w.incarnation == known[4] and is_kept(old_worker, session) and not has_refused(old_worker) then
@@ -85,6 +94,7 @@ if old_worker then
 end
 
 if not chosen then
+  is_new = true
   -- The person's other sessions: which still hold a slot, and which of the rest is the oldest.
   local placed, remembered, oldest_unplaced = 0, 0, nil
   for _, other in ipairs(redis.call('ZRANGE', user_key, 0, -1)) do
@@ -106,6 +116,7 @@ if not chosen then
 
   local why_not = 'no_worker'
   local seen = {}
+  local workers_seen, slots_seen = 0, 0
   local function consider(worker)
     if seen[worker] then return end
     seen[worker] = true
@@ -114,14 +125,19 @@ if not chosen then
       redis.call('ZREMRANGEBYSCORE', entries_of(worker), '-inf', now)
       local used = redis.call('ZCARD', entries_of(worker))
       if redis.call('ZSCORE', entries_of(worker), session) then used = used - 1 end
+      workers_seen, slots_seen = workers_seen + 1, slots_seen + w.slots
+      -- Whoever has an account displaces a visitor: the worker does it when the new session arrives there.
+      local displaces = used >= w.slots and not by_visitor and used - w.visitors < w.slots
       if has_refused(worker) then
         why_not = 'no_memory'
-      elseif used >= w.slots then
+      elseif used >= w.slots and not displaces then
         if why_not == 'no_worker' then why_not = 'full' end
+      elseif by_visitor and w.visitors >= math.ceil(w.slots * visitor_percent / 100) then
+        if why_not == 'no_worker' then why_not = 'visitors' end
       else
         w.share = used / w.slots
         w.has_volume = string.find(w.volumes, ',' .. data_set .. ',', 1, true) ~= nil
-        w.score = expected_of(w, used) - (w.has_volume and kVolumeWorth or 0)
+        w.score = expected_of(w, used) - (w.has_volume and kVolumeWorth or 0) + (displaces and kDisplaces or 0)
         if not chosen or better(w, chosen) then chosen = w end
       end
     end
@@ -141,6 +157,24 @@ if not chosen then
       if chosen then break end
     end
   end
+  if by_visitor and chosen then
+    -- common/visitor_share.h has the same rule. Where only some workers were looked at, the rest is taken to be like them.
+    redis.call('ZREMRANGEBYSCORE', kVisitors, '-inf', now)
+    local visitors, from_there = 0, 0
+    for _, other in ipairs(redis.call('ZRANGE', kVisitors, 0, -1)) do
+      if other ~= session then
+        visitors = visitors + 1
+        if redis.call('HGET', 'diaphane:session:' .. other, 'visitor_from') == visitor_from then from_there = from_there + 1 end
+      end
+    end
+    local slots = slots_seen * math.max(1, count / workers_seen)
+    local share = 0
+    if slots >= 2 and visitor_percent > 0 then share = math.max(1, math.floor(slots * visitor_percent / 100)) end
+    local share_from_there = math.min(share, math.max(2, math.floor(share / 2)))
+    if visitors >= share or from_there >= share_from_there then chosen, why_not = nil, 'visitors' end
+  end
+  -- No fleet grows because the visitors' share is taken: otherwise strangers could run up its costs.
+  if not chosen and why_not == 'visitors' then return {why_not} end
   if not chosen then
     -- An operator makes room for those who found none: each session once, however often it asks.
     local refused_key = ARGV[15] == '' and 'diaphane:refused' or 'diaphane:fleet:' .. ARGV[15] .. ':refused'
@@ -168,8 +202,18 @@ if not entry or tonumber(entry) < until_ms then
 end
 redis.call('EXPIRE', entries_of(chosen.id), 60)
 
+-- Whose slot it is: who has it opened anew decides, and an account holder who comes to a visitor's session makes it his.
+local visitor = known[6] == '1'
+if not by_visitor then visitor = false elseif is_new then visitor = true end
+if visitor then
+  redis.call('ZADD', kVisitors, until_ms, session)
+  redis.call('EXPIRE', kVisitors, 60)
+else
+  redis.call('ZREM', kVisitors, session)
+end
 redis.call('HSET', session_key, 'user', user, 'data_set', data_set, 'worker', chosen.id,
-           'incarnation', chosen.incarnation, 'reserved_until', until_ms)
+           'incarnation', chosen.incarnation, 'reserved_until', until_ms, 'visitor', visitor and '1' or '')
+if visitor and is_new then redis.call('HSET', session_key, 'visitor_from', visitor_from) end
 -- Every browser that was given a ticket: signing any of them out ends the session.
 if browser ~= '' then
   local browsers = redis.call('HGET', session_key, 'browsers') or ','

@@ -55,12 +55,14 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
   const std::string session_s = std::to_string(limits_.session_s);
   const std::string placed = std::to_string(limits_.placed);
   const std::string remembered = std::to_string(limits_.remembered);
+  const std::string percent = std::to_string(limits_.visitor_percent);
   const Result<Reply> reply =
       client_.run(kPlace, {request.session_id, request.user_id, request.data_set_id, ticket,
                            kProtocolEpoch, reservation, ticket_s, session_s, placed, remembered,
                            request.participant, request.name, request.link, request.first_scene,
                            fleet_, request.browser, to_string(request.viewer),
-                           request.slices ? "1" : "0"});
+                           request.slices ? "1" : "0", request.visitor ? "1" : "", percent,
+                           request.visitor_from});
   if (!reply) return tl::unexpected(reply.error());
   const std::string& what = reply->at(0);
   if (what == "placed") {
@@ -77,6 +79,9 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
   }
   if (what == "full") {
     return fail(ErrorCode::kUnavailable, "All places are taken; try again in a moment.");
+  }
+  if (what == "visitors") {
+    return fail(ErrorCode::kTooLarge, "All places for visitors are taken.");
   }
   if (what == "no_memory") {
     return fail(ErrorCode::kUnavailable,
@@ -182,6 +187,7 @@ Result<Attachment> Sessions::consume(std::string_view ticket) {
     found.viewer = session_viewer_of(reply->at(16));
     found.slices = reply->at(17) == "1";
     found.guest_slices = reply->at(18) == "1";
+    found.visitor = reply->at(19) == "1";
     return found;
   }
   if (what == "unknown") {

@@ -11,6 +11,7 @@
 #include "api/service/placement.h"
 #include "api/service/render_time.h"
 #include "api/service/workers.h"
+#include "common/visitor_share.h"
 
 namespace diaphane::api::redis {
 
@@ -26,6 +27,8 @@ class Sessions final : public Placement, public Tickets, public Workers, public 
     std::uint32_t session_s = 24 * 3600;
     /// So long a worker that had no memory for a session is not asked again.
     std::uint32_t refused_ms = 30'000;
+    /// Of all slots, that people without an account may hold together (common/visitor_share.h).
+    int visitor_percent = kVisitorPercent;
   };
 
   explicit Sessions(Client& client) : Sessions(client, Limits()) {}

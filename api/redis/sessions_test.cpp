@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <atomic>
+#include <set>
 #include <thread>
 
 #include "api/redis/links.h"
@@ -122,6 +123,71 @@ TEST_F(SessionsTest, EightPlacersAtOnceNeverOverCommit) {
   EXPECT_EQ(wrong, 0);
   EXPECT_EQ(used("a"), 37);
   EXPECT_EQ(used("b"), 23);
+}
+
+PlaceRequest visit(const std::string& from = new_id()) {
+  PlaceRequest request{new_id(), new_id(), new_id()};
+  request.visitor = true;
+  request.visitor_from = from;
+  return request;
+}
+
+TEST_F(SessionsTest, VisitorsTogetherHoldAQuarterOfTheSlotsOfAllWorkers) {
+  announce({.id = "a", .slots = 8});
+  announce({.id = "b", .slots = 8});
+  std::set<std::string> workers;
+  for (int i = 0; i < 4; ++i) {
+    const auto placed = sessions_.place(visit());
+    ASSERT_TRUE(placed) << i << " " << placed.error().message;
+    workers.insert(placed->worker_id);
+  }
+  EXPECT_EQ(sessions_.place(visit()).error().code, ErrorCode::kTooLarge);
+  for (int i = 0; i < 12; ++i) EXPECT_TRUE(sessions_.place(request())) << i;
+  EXPECT_EQ(client_->command({"ZCARD", "diaphane:refused"})->integer, 0)
+      << "no fleet grows for visitors beyond their share";
+}
+
+TEST_F(SessionsTest, OneAddressHoldsHalfOfTheVisitorsShare) {
+  announce({.id = "a", .slots = 32});
+  const std::string here = new_id();
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(sessions_.place(visit(here))) << i;
+  EXPECT_EQ(sessions_.place(visit(here)).error().code, ErrorCode::kTooLarge);
+  EXPECT_TRUE(sessions_.place(visit()));
+}
+
+TEST_F(SessionsTest, TheLastSlotIsNeverAVisitors) {
+  announce({.id = "a", .slots = 1});
+  EXPECT_EQ(sessions_.place(visit()).error().code, ErrorCode::kTooLarge);
+  EXPECT_TRUE(sessions_.place(request()));
+}
+
+TEST_F(SessionsTest, AnAccountHolderIsPlacedWhereAVisitorHoldsTheSlot) {
+  announce({.id = "a", .slots = 4});
+  ASSERT_TRUE(sessions_.place(visit()));
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(sessions_.place(request()));
+  EXPECT_EQ(sessions_.place(request()).error().code, ErrorCode::kUnavailable)
+      << "the worker has not said that the visitor came";
+  ASSERT_TRUE(client_->command({"HSET", "diaphane:worker:a", "visitors", "1"}));
+  const auto placed = sessions_.place(request());
+  ASSERT_TRUE(placed) << placed.error().message;
+  EXPECT_TRUE(sessions_.consume(placed->ticket));
+  EXPECT_EQ(sessions_.place(request()).error().code, ErrorCode::kUnavailable)
+      << "there was one visitor";
+  // Where another worker has a slot free, nobody is displaced.
+  announce({.id = "b", .slots = 4, .load = "0.9"});
+  EXPECT_EQ(sessions_.place(request())->worker_id, "b");
+}
+
+TEST_F(SessionsTest, ASessionIsAVisitorsUntilItsOwnerOpensIt) {
+  announce({.id = "a", .slots = 8});
+  PlaceRequest once = visit();
+  const auto first = sessions_.place(once);
+  EXPECT_TRUE(sessions_.consume(first->ticket)->visitor);
+  once.visitor = false;
+  EXPECT_FALSE(sessions_.consume(sessions_.place(once)->ticket)->visitor);
+  EXPECT_EQ(client_->command({"ZCARD", "diaphane:visitors"})->integer, 0);
+  once.visitor = true;  // a guest's ticket for it: the slot stays the owner's
+  EXPECT_FALSE(sessions_.consume(sessions_.place(once)->ticket)->visitor);
 }
 
 TEST_F(SessionsTest, TheSameSessionAgainStaysWithANewTicket) {

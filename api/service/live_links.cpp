@@ -6,6 +6,8 @@
 namespace diaphane::api {
 namespace {
 
+constexpr std::chrono::minutes kJoinWindow{15};
+
 tl::unexpected<Problem> no_such_session() {
   return refuse(ProblemKind::kNotFound, "There is no such session.");
 }
@@ -49,20 +51,40 @@ Outcome<void> LiveLinks::end(const Principal& who, const std::string& session_id
 }
 
 Outcome<LiveLinks::Joined> LiveLinks::join(const std::string& token, const std::string& key,
-                                           const std::string& name) {
+                                           const std::string& name, const std::string& address) {
   if (!is_token(token)) return no_such_link();
   const std::string hash = blake2b(token);
   const auto session = links_.follow(hash);
   if (!session && session.error().code == ErrorCode::kNotFound) return no_such_link();
   if (!session) return refuse(session.error());
+  const auto wait =
+      accounts_.note_attempt({{blake2b("join:" + address), options_.by_address, kJoinWindow},
+                              {blake2b("join link:" + hash), options_.by_link, kJoinWindow}},
+                             clock_.wall());
+  if (!wait) return refuse(wait.error());
+  if (*wait) {
+    return refuse(ProblemKind::kTooManyAttempts,
+                  "Many people join from where you are. Try again in a while.", **wait);
+  }
   // The owner may have lost the data set since: then nobody sees it any more.
   Principal owner;
   owner.user_id = session->user_id;
   if (!data_sets_.find_ready(owner, session->data_set_id)) return no_such_link();
 
   const std::string participant = id_from("participant\n" + session->id + "\n" + key);
-  const auto placed = placement_.place(
-      {session->id, session->user_id, session->data_set_id, participant, name, hash});
+  PlaceRequest request{session->id, session->user_id, session->data_set_id, participant, name,
+                       hash};
+  // Where the owner has gone and the session holds no slot any more, its guests need one
+  // themselves.
+  request.visitor = true;
+  request.visitor_from = hash;
+  const auto placed = placement_.place(request);
+  if (!placed && placed.error().code == ErrorCode::kTooLarge) {
+    return refuse(ProblemKind::kBusy,
+                  "All places for visitors are taken. Try again in a few minutes, or when the "
+                  "person who shared the link is back.",
+                  std::chrono::seconds(30));
+  }
   if (placed) return Joined{participant, "/stream?ticket=" + placed->ticket};
   if (placed.error().code == ErrorCode::kNotFound) return no_such_link();
   if (placed.error().code == ErrorCode::kUnavailable && placement_.reachable()) {

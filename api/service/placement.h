@@ -51,6 +51,11 @@ struct PlaceRequest {
   SessionViewer viewer = SessionViewer::kGuest;  ///< the ticket's holder
   /// Of kPublic and of visitors: the scan's owner lets them have exact slices.
   bool slices = false;
+  /// Somebody without an account asks: placed within the visitors' share of the slots alone.
+  bool visitor = false;
+  /// Of a visitor: who counts as one when half of that share is taken, for example the hash of an
+  /// address.
+  std::string visitor_from = {};
 };
 
 /// Where the session is now and a fresh ticket for one connection to it.
@@ -66,7 +71,8 @@ class Placement {
  public:
   virtual ~Placement() = default;
   /// One round trip. Idempotent for a session whose worker lives (only the ticket is new).
-  /// kUnavailable: no worker with a free slot, or none with the memory. kNotFound: the id is a
+  /// kUnavailable: no worker with a free slot, or none with the memory. kTooLarge: the visitors'
+  /// share of the slots is taken (of a visitor alone). kNotFound: the id is a
   /// session of another user. kTooMany: the user has as many sessions as one may have.
   /// kUnauthenticated: the browser was signed out meanwhile.
   virtual Result<Placed> place(const PlaceRequest& request) = 0;
@@ -107,6 +113,7 @@ struct Attachment {
   SessionViewer viewer = SessionViewer::kGuest;
   bool slices = false;
   bool guest_slices = false;  ///< last known: the session's guests may have exact slices
+  bool visitor = false;                 ///< the session belongs to the visitors' share of the slots
 };
 
 /// The gateway's side of a ticket. Thread-safe.

@@ -30,6 +30,17 @@ tl::unexpected<Problem> no_such_link() {
   return refuse(ProblemKind::kNotFound, "This link was ended, or never was one.");
 }
 
+tl::unexpected<Problem> no_place_for_visitors() {
+  return refuse(ProblemKind::kBusy,
+                "All places for visitors are taken. Try again in a few minutes, or sign up.",
+                std::chrono::seconds(30));
+}
+
+tl::unexpected<Problem> too_many_from_here(std::chrono::seconds wait) {
+  return refuse(ProblemKind::kTooManyAttempts,
+                "Many people look from where you are. Try again in a while, or sign up.", wait);
+}
+
 }  // namespace
 
 Outcome<std::vector<SharedPerson>> Sharing::people(const Principal& who, const std::string& id) {
@@ -243,6 +254,7 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   const std::string visitor = id_from("visitor\n" + key);
   Visit visit;
   bool slices = true;  // a sample is everybody's
+  visit.address_hash = blake2b("visit:" + address);
   if (token.empty()) {
     const auto sample = parts_.data_sets.find_ready(Principal{}, data_set_id);
     if (!sample) return tl::unexpected(sample.error());
@@ -261,27 +273,32 @@ Outcome<Visits::Opened> Visits::open(const std::string& token, const std::string
   if (const auto known = parts_.store.find_visit(visit.session_id, now); !known) {
     if (known.error().code != ErrorCode::kNotFound) return refuse(known.error());
     const auto wait = parts_.accounts.note_attempt(
-        {{blake2b("visit:" + address), options_.by_address, std::chrono::minutes(15)}}, now);
+        {{visit.address_hash, options_.by_address, std::chrono::minutes(15)}}, now);
     if (!wait) return refuse(wait.error());
     if (*wait) {
-      return refuse(ProblemKind::kTooManyAttempts,
-                    "Many people look from where you are. Try again in a while, or sign up.",
-                    **wait);
+      return too_many_from_here(**wait);
     }
   }
-  const auto noted = parts_.store.note_visit(visit, options_.most, now);
+  const auto noted = parts_.store.note_visit(visit, options_.at_once, now);
   if (!noted && noted.error().code == ErrorCode::kTooMany) {
-    return refuse(ProblemKind::kBusy,
-                  "All places for visitors are taken. Try again in a few minutes, or sign up.",
-                  std::chrono::seconds(30));
+    if (noted.error().field == "address") return too_many_from_here(std::chrono::minutes(5));
+    return no_place_for_visitors();
   }
   if (!noted) return refuse(noted.error());
   PlaceRequest request{visit.session_id, visitor, visit.data_set_id};
   request.first_scene = first_scene_(visit.data_set_id);
   request.viewer = token.empty() ? SessionViewer::kSampleVisitor : SessionViewer::kLinkVisitor;
   request.slices = slices;
+  request.visitor = true;
+  request.visitor_from = visit.address_hash;
   const auto placed = parts_.placement.place(request);
-  if (!placed && placed.error().code == ErrorCode::kUnavailable && parts_.placement.reachable()) {
+  const bool no_slot =
+      !placed && (placed.error().code == ErrorCode::kTooLarge ||
+                  (placed.error().code == ErrorCode::kUnavailable && parts_.placement.reachable()));
+  // There is no session: what was noted must not count as a visit.
+  if (no_slot) (void)parts_.store.forget_visit(visit.session_id);
+  if (no_slot && placed.error().code == ErrorCode::kTooLarge) return no_place_for_visitors();
+  if (no_slot) {
     return refuse(ProblemKind::kNoWorker, placed.error().message, std::chrono::seconds(2));
   }
   if (!placed) return refuse(placed.error());

@@ -87,7 +87,9 @@ class Sharing {
 class Visits {
  public:
   struct Options {
-    int most = 16;        ///< at once, of all people without an account
+    /// Visits that have not expired, whether somebody looks or not. How many hold a slot at once is
+    /// bounded where they are placed: by the visitors' share (common/visitor_share.h).
+    VisitLimits at_once{.most = 256, .by_address = 16, .by_link = 32};
     int by_address = 30;  ///< new ones in 15 minutes
     std::chrono::seconds sample_life = std::chrono::minutes(20);
     std::chrono::seconds link_life = std::chrono::hours(2);

@@ -41,6 +41,12 @@ struct Visit {
   std::string data_set_id;
   std::string link_id;  ///< empty: of a sample
   Time expires_at;
+  std::string address_hash = {};  ///< where the visitor asked from
+};
+
+/// Visits at once: in all, from one address and by one link.
+struct VisitLimits {
+  int most = 0, by_address = 0, by_link = 0;
 };
 
 /// Whom a data set is shared with, and how. Every function: kUnavailable when the database is away.
@@ -82,9 +88,9 @@ class SharingStore {
   virtual Result<std::string> public_name(const std::string& user_id) = 0;
   virtual Result<void> set_public_name(const std::string& user_id, const std::string& name) = 0;
 
-  /// Notes the visit; again, it stays as it was, and what it was is the answer. kTooMany when there
-  /// are `most` that have not expired.
-  virtual Result<Visit> note_visit(const Visit& visit, int most, Time now) = 0;
+  /// Notes the visit; again, it stays as it was, and what it was is the answer. kTooMany when as
+  /// many as `limits` allow have not expired; `field` says which: "address", "link" or empty.
+  virtual Result<Visit> note_visit(const Visit& visit, const VisitLimits& limits, Time now) = 0;
   /// kNotFound when there is none, or it has expired.
   virtual Result<Visit> find_visit(const std::string& session_id, Time now) = 0;
   /// The sessions that are to be ended, and then forgotten.

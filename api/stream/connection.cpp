@@ -26,10 +26,11 @@ constexpr std::chrono::seconds kLingerTime{2};
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
-// Others may have it; what else is exhausted (viewers of a session) is nowhere else either.
-bool has_no_memory(const grpc::Status& status) {
+/// Why a worker with something exhausted ended an Attach; empty when it did not say.
+v1::Refusal refusal_of(const grpc::Status& status) {
   v1::Refusal why;
-  return why.ParseFromString(status.error_details()) && why.no_memory();
+  if (!why.ParseFromString(status.error_details())) why.Clear();
+  return why;
 }
 
 bool is_request_id(std::string_view text) {
@@ -338,7 +339,11 @@ void Connection::link_ended(const grpc::Status& status) {
     case grpc::StatusCode::NOT_FOUND:
       return close(CloseCode::kSessionGone, "The scan is not there any more.");
     case grpc::StatusCode::RESOURCE_EXHAUSTED:
-      if (has_no_memory(status)) return worker_has_no_memory();
+      // Other workers may have the memory; what else is exhausted is nowhere else either.
+      if (refusal_of(status).no_memory()) return worker_has_no_memory();
+      if (refusal_of(status).displaced()) {
+        return close(CloseCode::kDisplaced, "Someone with an account needs this place.");
+      }
       return close(CloseCode::kTooMany, "The renderer is full; try again in a moment.");
     case grpc::StatusCode::ABORTED:
       return session_was_taken();

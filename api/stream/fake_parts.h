@@ -173,6 +173,13 @@ class FakeWorker final : public diaphane::v1::RenderWorker::Service {
       return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "full", why.SerializeAsString());
     };
   }
+  static Behaviour displacing() {
+    return [](grpc::ServerContext&, Stream&) {
+      diaphane::v1::Refusal why;
+      why.set_displaced(true);
+      return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "", why.SerializeAsString());
+    };
+  }
   /// Writes messages of `bytes` for as long as the call lives.
   static Behaviour flood(std::size_t bytes) {
     return [bytes](grpc::ServerContext& context, Stream& stream) {

@@ -162,6 +162,15 @@ TEST_F(GatewayTest, WhatTheWorkerSaysAtTheEndBecomesACode) {
   EXPECT_TRUE(places_.lost_workers().empty()) << "a worker that can be reached is not lost";
 }
 
+TEST_F(GatewayTest, AVisitorWhoseSlotAnAccountHolderNeededIsToldSo) {
+  FakeWorker needed(FakeWorker::displacing());
+  start();
+  TestViewer one = viewer();
+  ASSERT_TRUE(one.enter(places_.issue(needed.address())));
+  EXPECT_EQ(one.close_code(), 4411);
+  EXPECT_TRUE(places_.refused_sessions().empty());
+}
+
 TEST_F(GatewayTest, ASessionForWhichAWorkerHasNoMemoryGoesElsewhere) {
   FakeWorker full(FakeWorker::without_memory()),
       crowded(FakeWorker::ending(grpc::StatusCode::RESOURCE_EXHAUSTED));

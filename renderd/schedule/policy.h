@@ -28,6 +28,7 @@ struct SessionView {
   double seconds_waiting = 0;      ///< since its last quantum, or since it began to gain
   bool visible = true;             ///< a viewer is attached and looks
   bool wants_frame = true;         ///< its encoder slot is free and the client has room
+  bool visitor = false;            ///< of somebody without an account (VisitorShare)
   bool under_way = false;          ///< a quantum of it is on the device; the view is from before it
 };
 

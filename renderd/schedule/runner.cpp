@@ -209,6 +209,7 @@ std::vector<SessionView> Runner::look() {
       if (!ledger.wanted().scene) continue;
     }
     track->seen.under_way = track->under_way;
+    track->seen.visitor = track->client->of_visitor();
     if (track->moving) ++moving;
     if (gains(track->seen) && !track->client->of_another_worker()) ++waiting;
     // Without a first picture it is wholly wrong.

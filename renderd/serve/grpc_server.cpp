@@ -62,9 +62,10 @@ StatusName status_of(ErrorCode code) {
 grpc::Status status_for(const Error& error, Metrics& metrics) {
   const StatusName status = status_of(error.code);
   metrics.grpc_error(status.name);
-  if (error.code != ErrorCode::kOutOfMemory) return {status.code, error.message};
   v1::Refusal why;
-  why.set_no_memory(true);
+  why.set_no_memory(error.code == ErrorCode::kOutOfMemory);
+  why.set_displaced(is_displaced(error));
+  if (!why.no_memory() && !why.displaced()) return {status.code, error.message};
   return {status.code, error.message, why.SerializeAsString()};
 }
 

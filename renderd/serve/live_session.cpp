@@ -61,6 +61,11 @@ LiveSession::LiveSession(SessionParts parts, Start start, std::function<void(con
       volume_id_(start.volume_id),
       user_id_(std::move(start.user_id)),
       charged_to_(std::move(start.charged_to)),
+      link_(std::move(start.link)),
+      camera_only_(start.camera_only),
+      group_(std::move(start.group)),
+      created_(parts_.clock.now()),
+      visitor_(start.visitor),
       on_ended_(std::move(ended)) {
   state_.id = std::move(start.id);
   state_.volume_id = std::move(start.volume_id);
@@ -296,7 +301,7 @@ std::optional<LiveSession::Lost> LiveSession::lost() const {
   for (const Receiver& receiver : state_.audience.receivers) {
     if (!receiver.link.empty()) links.insert(receiver.link);
   }
-  return Lost{saved(), user_id_, volume_id_, {links.begin(), links.end()}};
+  return Lost{saved(), user_id_, volume_id_, {links.begin(), links.end()}, visitor_};
 }
 
 void LiveSession::mark_unsaved() {

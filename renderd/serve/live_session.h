@@ -42,6 +42,8 @@ struct Branch {
   std::string participant;
   std::shared_ptr<const diaphane::v1::Scene> scene;
   Canvas viewport;
+  std::string link;                    ///< that let him in; empty: the owner
+  std::weak_ptr<LiveSession> group{};  ///< whose scene it follows
 };
 
 /// Where slices are read and coded, apart from pictures: a slice must not wait for one, nor the
@@ -86,6 +88,9 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
     std::string charged_to;    ///< whose render time it takes: user; empty: nobody's
     bool camera_only = false;  ///< of a follower with a camera of his own
     bool guest_slices = false;
+    bool visitor = false;      ///< within the visitors' share: of somebody without an account
+    std::string link = {};     ///< of a guest's own camera: the link that let him in
+    std::weak_ptr<LiveSession> group = {};  ///< of a follower's own camera
   };
   /// What a lost worker's successor needs, as it goes to Redis.
   struct Saved {
@@ -103,6 +108,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
     std::string user_id;
     std::string volume_id;
     std::vector<std::string> links;  ///< that guests came by
+    bool visitor = false;
   };
 
   /// `ended` is called once, without a lock held, when the session has ended by itself.
@@ -123,6 +129,10 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void dismiss();
   /// Nobody hears of it any more; it goes on until it is dismissed.
   void silence();
+  /// A follower's own session, by its id, gave up its slot: he follows the presenter again. False:
+  /// nobody here looks at it.
+  bool take_camera_back(const std::string& branch);
+  bool has_ended() const;
   /// Of a follower's own session: the presenter's settings.
   void follow(const diaphane::v1::Scene& presenters);
   /// Once or more a second.
@@ -131,6 +141,14 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   const std::string& id() const { return id_; }
   const std::string& volume_id() const { return volume_id_; }
   const std::string& charged_to() const { return charged_to_; }
+  bool camera_only() const { return camera_only_; }
+  const std::string& link() const { return link_; }
+  std::shared_ptr<LiveSession> group() const { return group_.lock(); }
+  bool visitor() const { return visitor_; }
+  /// Whoever opens it anew may have an account, or no longer.
+  void set_visitor(bool visitor) { visitor_ = visitor; }
+  /// How long it has held its slot.
+  std::chrono::steady_clock::duration age() const { return parts_.clock.now() - created_; }
   std::uint64_t placement() const;
   /// That its samples took of the device.
   double device_seconds() const;
@@ -143,6 +161,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   std::optional<Lost> lost() const;
 
   // RenderClient
+  bool of_visitor() const override { return visitor_; }
   Wanted wanted() override;
   std::uint64_t version() const noexcept override;
   void began(std::uint64_t epoch, const Wanted& wanted) override;
@@ -210,7 +229,8 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   std::shared_ptr<LiveSession> take_branch(std::uint64_t connection);
 
   // Without it.
-  void change_camera(std::uint64_t connection, bool own);
+  /// `why` is told to whose own camera was taken back.
+  void change_camera(std::uint64_t connection, bool own, const Error* why = nullptr);
   void answer(const diaphane::v1::DepthQuery& query, std::uint64_t connection);
   void carry_out(const Outcome& outcome, std::uint64_t connection,
                  std::unique_lock<std::mutex>& lock);
@@ -222,6 +242,11 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   const std::string volume_id_;
   const std::string user_id_;
   const std::string charged_to_;
+  const std::string link_;
+  const bool camera_only_;
+  const std::weak_ptr<LiveSession> group_;
+  const TimePoint created_;
+  std::atomic<bool> visitor_;
   const std::function<void(const Error&)> on_ended_;
 
   mutable std::mutex mutex_;

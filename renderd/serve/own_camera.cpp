@@ -1,4 +1,6 @@
 // A follower with a camera of his own: a session of his own beside the group's (docs/adr/0013).
+#include <algorithm>
+
 #include "renderd/serve/live_session.h"
 
 namespace diaphane::render {
@@ -25,7 +27,7 @@ void LiveSession::follow(const v1::Scene& presenters) {
 
 // The group's lock is not held while the host makes a session: the host has a lock of its own,
 // under which it asks sessions.
-void LiveSession::change_camera(std::uint64_t connection, bool own) {
+void LiveSession::change_camera(std::uint64_t connection, bool own, const Error* why) {
   Branch wanted;
   {
     const std::lock_guard lock(mutex_);
@@ -33,7 +35,8 @@ void LiveSession::change_camera(std::uint64_t connection, bool own) {
     if (!receiver || ended_) return;
     if (own) {
       wanted = {receiver->participant, state_.wanted.scene,
-                receiver->viewport.width ? receiver->viewport : state_.wanted.viewport};
+                receiver->viewport.width ? receiver->viewport : state_.wanted.viewport,
+                receiver->link, weak_from_this()};
     }
   }
   auto made = own ? parts_.branch(*this, wanted) : std::shared_ptr<LiveSession>();
@@ -52,6 +55,9 @@ void LiveSession::change_camera(std::uint64_t connection, bool own) {
     } else if (!receiver || link == links_.end() || ended_ ||
                (own && state_.audience.presents(*receiver))) {
       if (own) unused = *made;  // it left, or became the presenter, meanwhile
+    } else if (own && (*made)->has_ended()) {
+      send_problem(connection, {ErrorCode::kTooMany,
+                                "There is no room for a camera of your own now.", "own_camera"});
     } else if (own) {
       const auto there = (*made)->attach(
           link->second,
@@ -73,6 +79,8 @@ void LiveSession::change_camera(std::uint64_t connection, bool own) {
         send(connection, message);
       }
     } else {
+      // First, so that the page does not ask for it again when it is configured.
+      if (why) send_problem(connection, *why);
       use_own_camera(state_, *receiver, false, parts_.clock.now());
       if (open_lane(receiver->codec)) send_config(connection);
       tell_audience();
@@ -80,6 +88,29 @@ void LiveSession::change_camera(std::uint64_t connection, bool own) {
   }
   if (unused) unused->dismiss();
   parts_.runner.wake();
+}
+
+bool LiveSession::take_camera_back(const std::string& branch) {
+  std::uint64_t connection = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::find_if(branches_.begin(), branches_.end(), [&](const auto& one) {
+      return one.second.session->id() == branch;
+    });
+    if (found == branches_.end()) return false;
+    connection = found->first;
+  }
+  const Error why{ErrorCode::kTooMany,
+                  "Someone with an account needs the place of your own camera. You see the "
+                  "presenter's picture again.",
+                  "own_camera_taken"};
+  change_camera(connection, false, &why);
+  return true;
+}
+
+bool LiveSession::has_ended() const {
+  const std::lock_guard lock(mutex_);
+  return ended_;
 }
 
 std::shared_ptr<LiveSession> LiveSession::take_branch(std::uint64_t connection) {

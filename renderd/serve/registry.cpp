@@ -136,10 +136,14 @@ bool Registry::heartbeat() {
   char busy[16], expected[16];
   std::snprintf(busy, sizeof busy, "%.3f", load.busy);
   std::snprintf(expected, sizeof expected, "%.4f", load.expected);
+  std::vector<std::string> visitors;
+  for (const SessionHost::Live& one : live) {
+    if (one.visitor) visitors.push_back(one.id);
+  }
   std::vector<std::string> arguments{
       options_.worker_id, options_.incarnation,          options_.address,     options_.engine,
       options_.device,    std::to_string(host_.slots()), draining ? "1" : "0", busy,
-      expected,           joined(options_.volumes()),    kSessionPrefix};
+      expected,           joined(options_.volumes()),    kSessionPrefix,       joined(visitors)};
   for (const SessionHost::Live& one : live) {
     arguments.push_back(one.id);
     arguments.push_back(std::to_string(one.placement));
@@ -220,7 +224,8 @@ void Registry::write_again(const std::string& session) {
                                      saved.presenter,
                                      saved.guest_slices ? "1" : "0",
                                      kLinkPrefix,
-                                     std::to_string(kLinkLife.count())};
+                                     std::to_string(kLinkLife.count()),
+                                     lost->visitor ? "1" : ""};
   arguments.insert(arguments.end(), lost->links.begin(), lost->links.end());
   const auto written =
       redis_.run(lua::rebuild_session,

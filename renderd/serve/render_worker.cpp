@@ -5,6 +5,7 @@
 
 #include "common/log.h"
 #include "renderd/schedule/policy.h"
+#include "renderd/schedule/visitor_share.h"
 #include "renderd/session/host_volume.h"
 #include "volume/store.h"
 #include "volume/volume.h"
@@ -43,6 +44,11 @@ Result<VolumeCache::Handle> load_voxels(const Source& source, const std::string&
   return std::make_shared<const HostVolume>(std::move(*volume));
 }
 
+std::unique_ptr<Policy> policy_of(const RenderWorker::Options& options) {
+  return std::make_unique<VisitorShare>(make_policy(options.policy),
+                                        options.host.visitor_percent / 100.0);
+}
+
 Runner::Options with_device(Runner::Options options, const Engine& engine) {
   const EngineInfo info = engine.info();
   options.rules.device_parallel = info.parallel;
@@ -57,7 +63,7 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
     : metrics_(metrics),
       copies_(options.copies),
       engine_(std::move(engine)),
-      runner_(std::make_unique<Runner>(make_policy(options.policy), clock,
+      runner_(std::make_unique<Runner>(policy_of(options), clock,
                                        with_device(options.runner, *engine_))),
       encoders_(std::make_unique<EncodePool>(options.encoder_threads)),
       volumes_(std::make_unique<VolumeCache>(

@@ -4,6 +4,7 @@
 
 #include "common/ids.h"
 #include "common/log.h"
+#include "renderd/serve/evict.h"
 
 namespace diaphane::render {
 namespace {
@@ -15,6 +16,8 @@ const Error& stopping() {
   return error;
 }
 
+constexpr char kVisitorSlot[] = "visitor_slot";
+
 Result<LiveSession::Start> start_of(const v1::Open& open) {
   if (!is_id(open.session_id())) return fail(ErrorCode::kInvalid, "No session id.", "session_id");
   if (!is_id(open.volume_id())) return fail(ErrorCode::kInvalid, "No volume id.", "volume_id");
@@ -25,6 +28,7 @@ Result<LiveSession::Start> start_of(const v1::Open& open) {
   start.input_seq = open.input_seq();
   start.presenter = open.presenter();
   start.guest_slices = open.guest_slices();
+  start.visitor = open.visitor();
   if (is_id(open.user_id())) start.user_id = start.charged_to = open.user_id();
   if (open.has_scene()) start.scene = std::make_shared<const v1::Scene>(open.scene());
   if (open.has_viewport()) {
@@ -52,6 +56,16 @@ Result<Arrival> arrival_of(const v1::Open& open) {
 }
 
 }  // namespace
+
+const Error& displaced() {
+  static const Error error{ErrorCode::kTooMany, "Someone with an account needs this place.",
+                           kVisitorSlot};
+  return error;
+}
+
+bool is_displaced(const Error& why) {
+  return why.code == ErrorCode::kTooMany && why.field == kVisitorSlot;
+}
 
 SessionHost::SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
                          VolumeCache& volumes, const KeptFacts& facts, SliceParts slices,
@@ -96,7 +110,11 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
         return fail(ErrorCode::kOutOfMemory,
                     "The memory of this render server is full; the picture opens elsewhere.");
       }
-      if (sessions_.size() >= options_.slots && !(evicted = evict_abandoned())) {
+      if (open.visitor() &&
+          visitors() >= visitor_slots_of_worker(options_.slots, options_.visitor_percent)) {
+        return fail(ErrorCode::kTooMany, "All places for visitors are taken.");
+      }
+      if (sessions_.size() >= options_.slots && !(evicted = evict(open.visitor()))) {
         return fail(ErrorCode::kTooMany, "All places of this render server are taken.");
       }
       is_new = true;
@@ -104,11 +122,12 @@ Result<Attachment> SessionHost::open(const v1::Open& open, std::shared_ptr<Clien
       sessions_.emplace(id, session);
       metrics_.sessions(sessions_.size());
     }
+    session->set_visitor(open.visitor());
     const auto attached = session->attach(std::move(link), *arrival, open.placement());
     if (!attached) return tl::unexpected(attached.error());
     connection = *attached;
   }
-  if (evicted) evicted->end(stopping());
+  if (evicted) end_evicted(evicted);
   if (is_new) {
     log::info("session_opened", {{"session", id}, {"volume", volume_id}});
     volumes_.get(volume_id, [session](Result<VolumeCache::Handle> volume) {
@@ -144,40 +163,71 @@ Result<SessionHost::Session> SessionHost::branch(const LiveSession& group, const
   start.viewport = wanted.viewport;
   start.presenter = wanted.participant;
   start.camera_only = true;
+  const bool by_guest = wanted.participant != kOwner;
+  start.visitor = by_guest || group.visitor();
+  start.link = wanted.link;
+  start.group = wanted.group;
   const std::string id = start.id;
   Session session;
   Session evicted;
   {
     const std::lock_guard lock(mutex_);
     if (refusing_) return tl::unexpected(stopping());
-    if (sessions_.size() >= options_.slots && !(evicted = evict_abandoned())) {
-      return fail(ErrorCode::kTooMany, "There is no room for a camera of your own now.");
+    const std::size_t share = visitor_slots(options_.slots, options_.visitor_percent);
+    const bool over = start.visitor && (visitors() >= share ||
+                                        cameras_of(wanted.link) >= visitor_slots_of_source(share));
+    if (over || (sessions_.size() >= options_.slots && !(evicted = evict(start.visitor)))) {
+      return fail(ErrorCode::kTooMany, "There is no room for a camera of your own now.",
+                  "own_camera");
     }
     session = std::make_shared<LiveSession>(parts(), std::move(start), when_ended(id));
     sessions_.emplace(id, session);
     metrics_.sessions(sessions_.size());
   }
-  if (evicted) evicted->end(stopping());
+  if (evicted) end_evicted(evicted);
   volumes_.get(group.volume_id(), [session](Result<VolumeCache::Handle> volume) {
     session->volume_ready(std::move(volume));
   });
   return session;
 }
 
-SessionHost::Session SessionHost::evict_abandoned() {
-  auto longest = sessions_.end();
-  std::chrono::steady_clock::duration most{-1};
-  for (auto entry = sessions_.begin(); entry != sessions_.end(); ++entry) {
-    const auto abandoned = entry->second->abandoned_for();
-    if (abandoned && *abandoned > most) {
-      most = *abandoned;
-      longest = entry;
-    }
+SessionHost::Session SessionHost::evict(bool for_visitor) {
+  std::vector<SlotHolder> holders;
+  for (const auto& [id, session] : sessions_) {
+    holders.push_back(
+        {id, session->visitor(), session->camera_only(), session->abandoned_for(), session->age()});
   }
-  if (longest == sessions_.end()) return nullptr;
-  Session session = longest->second;
-  sessions_.erase(longest);
-  return session;
+  const auto chosen = to_evict(holders, for_visitor);
+  if (!chosen) return nullptr;
+  return std::move(sessions_.extract(*chosen).mapped());
+}
+
+std::size_t SessionHost::visitors() const {
+  return static_cast<std::size_t>(std::count_if(
+      sessions_.begin(), sessions_.end(), [](const auto& one) { return one.second->visitor(); }));
+}
+
+std::size_t SessionHost::cameras_of(const std::string& link) const {
+  return static_cast<std::size_t>(
+      std::count_if(sessions_.begin(), sessions_.end(), [&](const auto& one) {
+        return one.second->camera_only() && one.second->visitor() && one.second->link() == link;
+      }));
+}
+
+void SessionHost::end_evicted(const Session& session) {
+  const bool abandoned = session->abandoned_for().has_value();
+  log::info(
+      "session_evicted",
+      {{"session", session->id()}, {"visitor", session->visitor()}, {"abandoned", abandoned}});
+  // A guest whose own camera goes follows the presenter again.
+  if (const auto group = session->group()) {
+    if (group->take_camera_back(session->id())) return;
+    // The guest was about to be connected to it: he is told either way.
+    session->dismiss();
+    (void)group->take_camera_back(session->id());
+    return;
+  }
+  session->end(session->visitor() && !abandoned ? displaced() : stopping());
 }
 
 void SessionHost::forget(const std::string& id, const LiveSession* session) {
@@ -202,14 +252,14 @@ void SessionHost::out_of_memory() {
   {
     const std::lock_guard lock(mutex_);
     // Somebody who looks goes before one whom nobody came back to; whoever asks next has its room.
-    if ((abandoned = evict_abandoned())) {
+    if ((abandoned = evict(true)) || (abandoned = evict(false))) {
       freed();
     } else {
       full_until_ = clock_.now() + options_.full_for;
     }
   }
   log::warning("device_full", {{"evicted", abandoned != nullptr}});
-  if (abandoned) abandoned->end(stopping());
+  if (abandoned) end_evicted(abandoned);
 }
 
 bool SessionHost::full() const { return clock_.now() < full_until_; }
@@ -309,7 +359,8 @@ std::vector<SessionHost::Session> SessionHost::all() const {
 std::vector<SessionHost::Live> SessionHost::live() const {
   std::vector<Live> live;
   for (const Session& session : all()) {
-    live.push_back({session->id(), session->placement(), session->device_seconds()});
+    live.push_back(
+        {session->id(), session->placement(), session->device_seconds(), session->visitor()});
   }
   return live;
 }

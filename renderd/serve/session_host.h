@@ -9,10 +9,15 @@
 #include <vector>
 
 #include "api/proto/worker.pb.h"
+#include "common/visitor_share.h"
 #include "renderd/serve/live_session.h"
 #include "renderd/session/volume_cache.h"
 
 namespace diaphane::render {
+
+/// The error of a visitor whose slot an account holder needed.
+const Error& displaced();
+bool is_displaced(const Error& why);
 
 /// One connection's hold on a session.
 class Attachment {
@@ -34,6 +39,9 @@ class SessionHost {
  public:
   struct Options {
     std::size_t slots = 4;  ///< sessions at most, those that wait for a viewer included
+    /// Of the slots, that visitors' sessions and guests' own cameras may have together. They lose
+    /// theirs when an account holder finds none free.
+    int visitor_percent = kVisitorPercent;
     std::chrono::seconds keep_abandoned{30};  ///< so that a reload is where one was
     /// After a session found no memory on the device, unless one ends before.
     std::chrono::seconds full_for{10};
@@ -44,6 +52,7 @@ class SessionHost {
     std::string id;
     std::uint64_t placement = 0;
     double device_seconds = 0;  ///< since it is here
+    bool visitor = false;       ///< of somebody without an account, or a guest's own camera
   };
 
   SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
@@ -89,9 +98,17 @@ class SessionHost {
   std::function<void(const Error&)> when_ended(const std::string& id);
   /// A session ended because the device had no memory for it.
   void out_of_memory();
-  bool full() const;          // under the lock
-  void freed();               // under the lock: a session ended
-  Session evict_abandoned();  // under the lock; empty when all are looked at
+  bool full() const;  // under the lock
+  void freed();       // under the lock: a session ended
+  /// Takes out the session that makes room, for a visitor or for an account holder (to_evict).
+  /// Under the lock; empty when there is none.
+  Session evict(bool for_visitor);
+  /// How many slots visitors and guests hold, and of those the own cameras of one link's guests.
+  /// Under the lock.
+  std::size_t visitors() const;
+  std::size_t cameras_of(const std::string& link) const;
+  /// Ends one that was evicted; without the lock.
+  void end_evicted(const Session& session);
   std::vector<Session> all() const;
 
   const Options options_;

@@ -410,6 +410,70 @@ TEST_F(HostTest, AFollowersOwnCameraFollowsTheSettingsAndNotTheCamera) {
   EXPECT_FALSE(owner.link->inbox.ended(20ms));
 }
 
+TEST_F(HostTest, GuestsOwnCamerasHoldAQuarterOfTheSlotsAndGoWhenAnAccountHolderNeedsOne) {
+  options.host.slots = 4;
+  restart();
+  const std::string id = new_id();
+  Viewer owner = attach(id);
+  std::vector<Viewer> guests;
+  v1::ClientMessage own;
+  own.mutable_own_camera()->set_on(true);
+  for (int i = 0; i < 2; ++i) {
+    guests.push_back(join(id));
+    ASSERT_TRUE(guests.back().link->inbox.next_of(Kind::kConfig));
+    guests.back().say(own);
+  }
+  const auto first = guests[0].link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(first->config().follower());
+  const auto refused = guests[1].link->inbox.next_of(Kind::kProblem);
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->problem().code(), "too_many");
+  EXPECT_EQ(worker->host().used(), 2U);
+
+  Viewer second = attach(new_id()), third = attach(new_id());
+  EXPECT_FALSE(guests[0].link->inbox.next_of(Kind::kProblem, 20ms)) << "there was room";
+  Viewer fourth = attach(new_id());
+  const auto why = guests[0].link->inbox.next_of(Kind::kProblem);
+  ASSERT_TRUE(why);
+  EXPECT_EQ(why->problem().field(), "own_camera_taken");
+  EXPECT_FALSE(why->problem().fatal());
+  EXPECT_FALSE(guests[0].link->inbox.ended(20ms)) << "it sees the presenter's picture again";
+  guests[0].follow([](const v1::Frame&) { return true; });
+  EXPECT_EQ(worker->host().used(), 4U);
+  EXPECT_EQ(try_open(new_id()).error().code, ErrorCode::kTooMany)
+      << "account holders do not displace each other";
+}
+
+TEST_F(HostTest, AVisitorGivesUpTheSlotToAnAccountHolderAndIsToldWhy) {
+  options.host.slots = 4;
+  restart();
+  const auto visit = [&](const std::string& session, Viewer& viewer) {
+    v1::Open open;
+    open.set_session_id(session);
+    open.set_volume_id(volume);
+    open.set_placement(1);
+    open.set_visitor(true);
+    auto opened = worker->host().open(open, viewer.link);
+    if (!opened) return false;
+    viewer.attachment = std::move(*opened);
+    viewer.say(hello_message());
+    return true;
+  };
+  Viewer visitor, another;
+  ASSERT_TRUE(visit(new_id(), visitor));
+  EXPECT_FALSE(visit(new_id(), another)) << "one of four slots is the visitors'";
+  ASSERT_EQ(worker->host().live().size(), 1U);
+  EXPECT_TRUE(worker->host().live().front().visitor);
+  std::vector<Viewer> holders;
+  for (int i = 0; i < 4; ++i) holders.push_back(attach(new_id()));
+  const auto why = visitor.link->inbox.ended();
+  ASSERT_TRUE(why);
+  EXPECT_TRUE(is_displaced(*why));
+  EXPECT_FALSE(visit(new_id(), another)) << "a visitor displaces nobody";
+  for (Viewer& holder : holders) EXPECT_FALSE(holder.link->inbox.ended(1ms));
+}
+
 TEST_F(HostTest, ADrainTellsEverybodyToComeBackElsewhere) {
   Viewer one = attach(new_id());
   ASSERT_TRUE(one.link->inbox.next_of(Kind::kFrame));

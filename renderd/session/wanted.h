@@ -58,6 +58,8 @@ class RenderClient {
   virtual ~RenderClient() = default;
   /// It is another worker's picture that is helped with.
   virtual bool of_another_worker() const { return false; }
+  /// It is of somebody without an account: such take a bounded share of the device together.
+  virtual bool of_visitor() const { return false; }
   /// Also takes note that `picture_again` was read: the runner acts on it at once.
   virtual Wanted wanted() = 0;
   /// Wanted::version without a lock: polled while rendering.

@@ -106,7 +106,7 @@ class Beats:
         sessions = [word for one in live for word in (one, "1")]
         self.heartbeat(keys=["diaphane:workers", key, key + ":sessions"],
                        args=[name, uid, f"{uid}:1", "cpu", "test", env["DIAPHANE_SLOTS"], draining, str(0.1 * len(live)), str(0.1 * len(live)), "",
-                             "diaphane:session:", *sessions])
+                             "diaphane:session:", "", *sessions])
         room = self.report(keys=["diaphane:workers", key, key + ":drain"], args=[name, uid, owner, "0.1", "0.2"])
         if int(room) >= 0:
             self.told.setdefault(uid, time.monotonic())

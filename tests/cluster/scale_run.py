@@ -64,7 +64,7 @@ class ManyBeats:
     def put(self, name: str, incarnation: str, owner: str = "", slots: int = 16) -> None:
         key = f"diaphane:worker:{name}"
         words = _resp("EVALSHA", self.heartbeat, 3, "diaphane:workers", key, key + ":sessions", name, incarnation, f"{name}:1", "cpu", "test", slots,
-                      "0", "0.1", "0.1", "", "diaphane:session:")
+                      "0", "0.1", "0.1", "", "diaphane:session:", "")
         if owner:
             words += _resp("EVALSHA", self.report, 3, "diaphane:workers", key, key + ":drain", name, incarnation, owner, "0.1", "0.2")
         self.words[name] = words

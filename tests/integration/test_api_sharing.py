@@ -320,13 +320,21 @@ def test_a_sample_is_looked_at_without_an_account_and_nothing_else_is(api, one, 
     api.wait_until(lambda: not runs(api, here.json()["session_id"]), what="the end of the visit")
     forget_attempts(api)
     api.psql("DELETE FROM visits")
-    for _ in range(16):
+    for _ in range(8):  # half of the visitors' quarter of 64 slots: from one address
         assert visit(api, data_set_id=shown).status_code == 201
     problem(visit(api, data_set_id=shown), 503, "busy")
-    api.psql("DELETE FROM visits")
-    answers = [visit(api, data_set_id=shown).status_code for _ in range(16)]
-    assert answers[-3:] == [429] * 3 and answers[0] == 201
+    assert api.psql("SELECT count(*) FROM visits")[0][0] == 8, "a refused visit is not counted"
+    answers = [visit(api, data_set_id=shown).status_code for _ in range(24)]
+    assert answers[-3:] == [429] * 3 and answers[0] == 503
+    assert one.http.post("/v1/sessions", json={"data_set_id": public}).status_code == 201, "account holders notice nothing"
     forget_attempts(api)
+    api.psql("DELETE FROM visits")
+    api.psql("""INSERT INTO visits (session_id, data_set_id, expires_at, address_hash)
+                SELECT gen_random_uuid(), %s, now() + interval '1 hour', 'elsewhere' FROM generate_series(1, 256)""", shown)
+    problem(visit(api, data_set_id=shown), 503, "busy")
+    api.psql("DELETE FROM visits")
+    for key in api.redis.zrange("diaphane:visitors", 0, -1):
+        api.redis.zrem("diaphane:visitors", key)
     api.psql("DELETE FROM data_sets WHERE id = %s", shown)
 
 

@@ -53,6 +53,12 @@ describe("the connection", () => {
     expect(run([{ kind: "start" }], taken.state)).toMatchObject({ state: { phase: "asking", trouble: null } });
   });
 
+  it("does not come back by itself to a place that somebody with an account needs", () => {
+    const gone = run([...to_live, { kind: "closed", code: 4411 }]);
+    expect(gone.state).toMatchObject({ phase: "stopped", trouble: "displaced" });
+    expect(run([{ kind: "timeout" }, { kind: "wake" }], gone.state).effects).toEqual([]);
+  });
+
   it("waits longer from try to try, and starts anew only when a picture came", () => {
     let state = run(to_live).state;
     for (let i = 1; i <= 4; i++) {

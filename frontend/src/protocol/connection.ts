@@ -14,7 +14,7 @@ export type Phase =
   | "stopped";
 
 /** Why there is no picture (yet), as a key of the texts. */
-export type Trouble = "lost" | "worker_lost" | "no_worker" | "unreachable" | "not_found" | "not_ready" | "signed_out" | "refused" | "taken_over" | "link_ended" | "time_spent";
+export type Trouble = "lost" | "worker_lost" | "no_worker" | "unreachable" | "not_found" | "not_ready" | "signed_out" | "refused" | "taken_over" | "link_ended" | "displaced" | "time_spent";
 
 export interface ConnectionState {
   readonly phase: Phase;
@@ -109,6 +109,8 @@ export function advance(state: ConnectionState, event: ConnectionEvent, spread: 
         return { state: { ...state, phase: "elsewhere", trouble: "taken_over" }, effects: [{ kind: "disarm" }, { kind: "close" }] };
       if (event.code === link_ended)
         return { state: { ...state, phase: "stopped", trouble: "link_ended" }, effects: [{ kind: "disarm" }, { kind: "close" }] };
+      if (event.code === displaced)
+        return { state: { ...state, phase: "stopped", trouble: "displaced" }, effects: [{ kind: "disarm" }, { kind: "close" }] };
       return later(trouble_of_close(event.code));
     case "timeout":
       if (state.phase === "waiting") return ask(state);
@@ -127,6 +129,7 @@ export function advance(state: ConnectionState, event: ConnectionEvent, spread: 
 /** Close codes of docs/contracts.md, "Stream". */
 const taken_over = 4409;
 const link_ended = 4410;
+const displaced = 4411;
 
 function trouble_of_close(code: number): Trouble {
   switch (code) {

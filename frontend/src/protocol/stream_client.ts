@@ -369,6 +369,8 @@ export class StreamClient {
         this.depths_.heard(body.value);
         break;
       case "problem":
+        // Without a slot for it, it is not asked for again by itself.
+        if (body.value.field === "own_camera" || body.value.field === "own_camera_taken") this.own_camera_ = false;
         this.events_.problem(body.value);
         break;
       case "fileProgress":

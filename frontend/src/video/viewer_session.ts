@@ -171,7 +171,7 @@ export class ViewerSession {
           this.steps.value = nothing_yet; // they were steps of another's scene
         },
         stats: (stats) => (this.samples_per_second.value = stats.samplesPerSecond),
-        problem: (problem) => (this.problem.value = problem.message),
+        problem: ({ field, message }) => (this.problem.value = field === "own_camera" ? t.live.no_own_camera : field === "own_camera_taken" ? t.live.own_camera_taken : message),
         file_progress: () => undefined,
         file_part: () => undefined,
         kernel: (report) => (this.kernel.value = report),

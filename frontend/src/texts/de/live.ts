@@ -27,6 +27,8 @@ export const live: Texts["live"] = {
   presents: (name) => `${name} führt vor`,
   presenter_away: "Die vorführende Person ist weg",
   own_camera: "Meine eigene Kamera",
+  no_own_camera: "Für eine eigene Kamera ist gerade kein Platz.",
+  own_camera_taken: "Jemand mit einem Konto braucht den Platz Ihrer eigenen Kamera. Sie sehen wieder das Bild der Person, die präsentiert.",
   join_title: "Gemeinsam ein Bild ansehen",
   join_lead: "Jemand teilt mit Ihnen das Bild einer Aufnahme. Sie sehen es so, wie es gedreht wird.",
   name: "Ihr Name, für die anderen",

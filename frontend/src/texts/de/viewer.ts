@@ -17,6 +17,7 @@ export const viewer: Texts["viewer"] = {
     taken_over: "Dieses Bild geht in einem anderen Fenster weiter.",
     time_spent: "Ihre Bildzeit für diesen Monat ist verbraucht.",
     link_ended: "Dieser Link wurde von der Person beendet, die ihn geteilt hat, oder er ist zu alt.",
+    displaced: "Jemand mit einem Konto braucht diesen Platz. Melden Sie sich an, oder laden Sie diese Seite in ein paar Minuten neu.",
   },
   continue_here: "Hier weitermachen",
   picture_time: {

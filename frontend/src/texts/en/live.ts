@@ -26,6 +26,8 @@ export const live = {
   presents: (name: string) => `${name} presents`,
   presenter_away: "The presenter is away",
   own_camera: "My own camera",
+  no_own_camera: "There is no room for your own camera at the moment.",
+  own_camera_taken: "Someone with an account needs the place of your own camera. You see the presenter's picture again.",
   join_title: "Look at a picture together",
   join_lead: "Somebody shares the picture of a scan with you. You see it as they turn it.",
   name: "Your name, for who else is there",

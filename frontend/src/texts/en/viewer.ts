@@ -13,6 +13,7 @@ const troubles: Record<Trouble, string> = {
   taken_over: "This picture goes on in another window.",
   time_spent: "Your picture time of this month is used up.",
   link_ended: "This link was ended by the person who shared it, or is too old.",
+  displaced: "Someone with an account needs this place. Sign in, or reload this page in a few minutes.",
 };
 
 /** The viewer. */
