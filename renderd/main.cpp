@@ -24,6 +24,7 @@
 #include "common/wire/inner_tls.h"
 #include "common/wire/redis_address.h"
 #include "renderd/composite/composite_engine.h"
+#include "renderd/scene/texture_store.h"
 #include "renderd/serve/grpc_assistants.h"
 #include "renderd/serve/grpc_server.h"
 #include "renderd/serve/lender.h"
@@ -55,6 +56,7 @@ struct Settings {
   int visitor_percent = kVisitorPercent;
   double max_error = 0;
   std::uint64_t volume_bytes = 0;
+  std::uint64_t texture_bytes = 0;
   std::string copies_dir;
   std::uint64_t copies_bytes = 0;
   PolicyKind policy = PolicyKind::kMarginalGain;
@@ -192,6 +194,11 @@ Settings read_settings(ConfigReader& in) {
       "schedule", "whose samples are rendered next",
       {"marginal-gain", "error-proportional", "round-robin", "free-for-all"}, "marginal-gain");
   settings.policy = policy_kind(policy).value_or(PolicyKind::kMarginalGain);
+  settings.texture_bytes =
+      static_cast<std::uint64_t>(in.integer("texture-memory-mb",
+                                            "decoded pictures on lights, of all sessions together",
+                                            64, 1 << 20, kTextureMemory >> 20))
+      << 20;
   settings.volume_bytes =
       static_cast<std::uint64_t>(
           in.integer("volume-memory-mb", "loaded volumes at most; 0: half of the device's memory",
@@ -317,6 +324,7 @@ int run(int argc, char** argv) {
   // A GPU leaves the processor to the encoders; the CPU engine wants it for itself.
   const unsigned cores = std::thread::hardware_concurrency();
   worker_options.encoder_threads = std::clamp(info.queues ? cores / 2 : cores / 4, 1U, 16U);
+  limit_texture_memory(settings.texture_bytes, settings.texture_bytes / 8 * 5);
   worker_options.host.slots = settings.slots;
   worker_options.host.visitor_percent = settings.visitor_percent;
   worker_options.host.mark_frames = settings.mark_frames;

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <mutex>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "renderd/scene/texture.h"
+#include "renderd/scene/texture_store.h"
 
 namespace diaphane::render {
 namespace {
@@ -131,48 +135,198 @@ tl::unexpected<Error> named(const std::string& field, const Error& error) {
   return fail(error.code, field + " " + error.message, field);
 }
 
-}  // namespace
+/// Who has taken how much, and what can be shared.
+class TextureMemory {
+ public:
+  using Prepared = std::shared_ptr<const PreparedTextures>;
 
-Result<std::shared_ptr<const PreparedTextures>> prepare_textures(
-    const std::vector<TextureFile>& files, const std::shared_ptr<const PreparedTextures>& before) {
-  if (files.empty()) return nullptr;
-  const std::vector<TextureFile> wanted = different(files);
-  if (before && before->files.size() == wanted.size() &&
-      std::equal(wanted.begin(), wanted.end(), before->files.begin(),
-                 [](const TextureFile& a, const std::string& b) { return *a.file == b; })) {
-    return before;
+  void limit(std::size_t all, std::size_t owners) {
+    const std::lock_guard lock(mutex_);
+    all_ = all;
+    owners_ = owners;
   }
-  // Sizes first: nothing is decoded of what is too much in all.
+  bool take(const std::string& owner, std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    if (taken_ + bytes > all_) return false;
+    if (!owner.empty() && by_owner_[owner] + bytes > owners_) return false;
+    taken_ += bytes;
+    if (!owner.empty()) by_owner_[owner] += bytes;
+    return true;
+  }
+  void give_back(const std::string& owner, std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    taken_ -= bytes;
+    freed_ += bytes;
+    const auto mine = by_owner_.find(owner);
+    if (mine != by_owner_.end() && (mine->second -= bytes) == 0) by_owner_.erase(mine);
+  }
+  Prepared find(const std::vector<TextureFile>& files) {
+    std::vector<std::weak_ptr<const PreparedTextures>> known;
+    {
+      const std::lock_guard lock(mutex_);
+      std::erase_if(known_, [](const auto& one) { return one.expired(); });
+      known = known_;
+    }
+    // Without the lock: the last holder of one may let go of it meanwhile, which gives it back
+    // here.
+    for (const auto& one : known) {
+      Prepared found = one.lock();
+      if (found && same_files(files, *found)) return found;
+    }
+    return nullptr;
+  }
+  void add(const Prepared& prepared) {
+    const std::lock_guard lock(mutex_);
+    known_.push_back(prepared);
+  }
+  std::size_t taken() const {
+    const std::lock_guard lock(mutex_);
+    return taken_;
+  }
+  std::size_t take_freed() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(freed_, 0);
+  }
+
+  static bool same_files(const std::vector<TextureFile>& files, const PreparedTextures& prepared) {
+    return std::equal(files.begin(), files.end(), prepared.files.begin(), prepared.files.end(),
+                      [](const TextureFile& a, const std::string& b) { return *a.file == b; });
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::size_t all_ = kTextureMemory, owners_ = kOwnersTextureMemory;
+  std::size_t taken_ = 0, freed_ = 0;
+  std::map<std::string, std::size_t> by_owner_;
+  std::vector<std::weak_ptr<const PreparedTextures>> known_;
+};
+
+TextureMemory& memory() {
+  // Never destroyed: what a renderer holds may outlive every other static.
+  static auto* const memory = new TextureMemory;
+  return *memory;
+}
+
+/// A part of that memory, for as long as it lives.
+struct Taken {
+  std::string owner;
+  std::size_t bytes = 0;
+
+  Taken(std::string who, std::size_t much) : owner(std::move(who)), bytes(much) {}
+  Taken(const Taken&) = delete;
+  Taken& operator=(const Taken&) = delete;
+  ~Taken() { memory().give_back(owner, bytes); }
+};
+
+std::size_t pixels_of(TextureSize size) { return std::size_t{size.width} * size.height; }
+
+/// Of all files, in their order; kInvalid at the one with which `most` pixels are exceeded.
+Result<std::vector<TextureSize>> sizes_of(const std::vector<TextureFile>& files, std::size_t most,
+                                          const char* too_much) {
   std::size_t total = 0;
   std::vector<TextureSize> sizes;
-  for (const TextureFile& f : wanted) {
+  for (const TextureFile& f : files) {
     const auto size = texture_size(*f.file);
     if (!size) return named(f.field, size.error());
-    total += std::size_t{size->width} * size->height;
-    if (total > kMostTexels) {
-      return fail(ErrorCode::kInvalid,
-                  f.field + " is too much: a scene's textures may have 16777216 pixels in all",
-                  f.field);
-    }
+    total += pixels_of(*size);
+    if (total > most) return fail(ErrorCode::kInvalid, f.field + too_much, f.field);
     sizes.push_back(*size);
   }
-  auto out = std::make_shared<PreparedTextures>();
+  return sizes;
+}
+
+constexpr char kTooMuch[] = " is too much: a scene's textures may have 16777216 pixels in all";
+
+std::size_t bytes_of(const std::vector<TextureFile>& files, const std::vector<TextureSize>& sizes) {
+  std::size_t bytes = 0;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    bytes += pixels_of(sizes[i]) * sizeof(Float4) + sizes[i].height * sizeof(float) +
+             files[i].file->size();
+  }
+  return bytes;
+}
+
+Result<std::unique_ptr<PreparedTextures>> decode(const std::vector<TextureFile>& files,
+                                                 const std::vector<TextureSize>& sizes,
+                                                 const PreparedTextures* before) {
+  auto out = std::make_unique<PreparedTextures>();
+  std::size_t total = 0;
+  for (const TextureSize& size : sizes) total += pixels_of(size);
   out->texels.reserve(total);
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
+  for (std::size_t i = 0; i < files.size(); ++i) {
     out->textures.push_back({static_cast<std::uint32_t>(out->texels.size()),
                              static_cast<std::uint32_t>(out->rows.size()),
                              static_cast<std::int32_t>(sizes[i].width),
                              static_cast<std::int32_t>(sizes[i].height)});
-    out->files.push_back(*wanted[i].file);
-    if (before && has(*before, *wanted[i].file)) {
-      copy_texture(*before, texture_index(*before, *wanted[i].file), *out);
+    out->files.push_back(*files[i].file);
+    if (before && has(*before, *files[i].file)) {
+      copy_texture(*before, texture_index(*before, *files[i].file), *out);
       continue;
     }
-    const auto picture = decode_texture(*wanted[i].file);
-    if (!picture) return named(wanted[i].field, picture.error());
+    const auto picture = decode_texture(*files[i].file);
+    if (!picture) return named(files[i].field, picture.error());
     add_picture(*picture, *out);
   }
   return out;
+}
+
+}  // namespace
+
+void limit_texture_memory(std::size_t all, std::size_t owners) { memory().limit(all, owners); }
+std::size_t texture_memory() { return memory().taken(); }
+std::size_t take_freed_texture_memory() { return memory().take_freed(); }
+
+Result<std::size_t> bytes_of_textures(const std::vector<TextureFile>& files) {
+  const auto wanted = different(files);
+  const auto sizes = sizes_of(wanted, kMostTexels, kTooMuch);
+  if (!sizes) return tl::unexpected(sizes.error());
+  return bytes_of(wanted, *sizes);
+}
+
+Result<void> check_visitors_textures(const std::vector<TextureFile>& files) {
+  const auto sizes = sizes_of(different(files), kMostVisitorTexels,
+                              " is too much: without an account, a scene's textures may have "
+                              "1048576 pixels in all");
+  if (!sizes) return tl::unexpected(sizes.error());
+  return {};
+}
+
+Result<std::shared_ptr<const PreparedTextures>> prepare_textures_for(
+    const std::string& owner, const std::vector<TextureFile>& files,
+    const std::shared_ptr<const PreparedTextures>& before) {
+  if (files.empty()) return nullptr;
+  const std::vector<TextureFile> wanted = different(files);
+  if (before && TextureMemory::same_files(wanted, *before)) return before;
+  if (auto known = memory().find(wanted)) return known;
+  // Sizes first: nothing is decoded of what is too much in all.
+  const auto sizes = sizes_of(wanted, kMostTexels, kTooMuch);
+  if (!sizes) return tl::unexpected(sizes.error());
+  const std::size_t bytes = bytes_of(wanted, *sizes);
+  if (!memory().take(owner, bytes)) {
+    const std::string& field = wanted.back().field;
+    return fail(ErrorCode::kTooMany,
+                field +
+                    " finds no memory on this renderer now: use a picture with fewer pixels, or "
+                    "try again later",
+                field);
+  }
+  auto taken = std::make_shared<const Taken>(owner, bytes);
+  auto decoded = decode(wanted, *sizes, before.get());
+  if (!decoded) return tl::unexpected(decoded.error());
+  // Given back with the textures: what the deleter holds would live as long as those who only know
+  // of them.
+  std::shared_ptr<const PreparedTextures> prepared(
+      decoded->release(), [taken](const PreparedTextures* textures) mutable {
+        delete textures;
+        taken.reset();
+      });
+  memory().add(prepared);
+  return prepared;
+}
+
+Result<std::shared_ptr<const PreparedTextures>> prepare_textures(
+    const std::vector<TextureFile>& files, const std::shared_ptr<const PreparedTextures>& before) {
+  return prepare_textures_for({}, files, before);
 }
 
 std::uint32_t texture_index(const PreparedTextures& textures, const std::string& file) {

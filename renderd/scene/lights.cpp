@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <numbers>
+#include <optional>
 #include <string>
+
+#include "renderd/scene/texture_store.h"
 
 namespace diaphane::render {
 namespace {
@@ -135,6 +138,12 @@ Shaped shaped(const diaphane::v1::Light& light, const Placement& place) {
 
 double sum(Double3 c) { return c.x + c.y + c.z; }
 
+/// A light's texture and the field that it is in; nothing when it has none or gives no light.
+std::optional<TextureFile> texture_of(const Looks& looks, const char* name, int light) {
+  if (looks.texture == nullptr || !(sum(looks.radiance) > 0)) return std::nullopt;
+  return TextureFile{looks.texture, "lights[" + std::to_string(light) + "]" + name + ".texture"};
+}
+
 /// Sets probability and cumulative. The probability is the difference of two cumulative ones as
 /// they are, rounded: exactly that with which the light is picked.
 template <typename Light>
@@ -225,10 +234,7 @@ Result<PreparedLights> prepare_lights(const diaphane::v1::Scene& scene, const Ca
     const Placement place(scene.lights(i).camera_locked(), axes, target, frame);
     Shaped light = shaped(scene.lights(i), place);
     if (!(sum(light.looks.radiance) > 0)) continue;
-    if (light.looks.texture != nullptr) {
-      files.push_back(
-          {light.looks.texture, "lights[" + std::to_string(i) + "]" + light.name + ".texture"});
-    }
+    if (auto file = texture_of(light.looks, light.name, i)) files.push_back(std::move(*file));
     lights.emplace_back(std::move(light), place);
   }
   auto textures = prepare_textures(files, before);
@@ -236,6 +242,36 @@ Result<PreparedLights> prepare_lights(const diaphane::v1::Scene& scene, const Ca
   Collector collector(*std::move(textures));
   for (const auto& [light, place] : lights) collector.add(light, place);
   return std::move(collector).take();
+}
+
+std::vector<TextureFile> texture_files(const diaphane::v1::Scene& scene) {
+  std::vector<TextureFile> files;
+  for (int i = 0; i < scene.lights_size(); ++i) {
+    const diaphane::v1::Light& light = scene.lights(i);
+    if (light.disabled()) continue;
+    const auto add = [&](const auto& shape, const char* name) {
+      if (auto file = texture_of(looks_of(shape, light.intensity()), name, i)) {
+        files.push_back(std::move(*file));
+      }
+    };
+    switch (light.shape_case()) {
+      case diaphane::v1::Light::kRectangle:
+        add(light.rectangle(), ".rectangle");
+        break;
+      case diaphane::v1::Light::kDisk:
+        add(light.disk(), ".disk");
+        break;
+      case diaphane::v1::Light::kSphere:
+        add(light.sphere(), ".sphere");
+        break;
+      case diaphane::v1::Light::kBox:
+        add(light.box(), ".box");
+        break;
+      default:
+        add(light.environment(), ".environment");
+    }
+  }
+  return files;
 }
 
 Features features_of(const PreparedLights& lights) {

@@ -312,7 +312,11 @@ void LiveSession::mark_unsaved() {
 Wanted LiveSession::wanted() {
   const std::lock_guard lock(mutex_);
   const TimePoint now = parts_.clock.now();
-  Wanted wanted = state_.wanted;
+  if (textures_ready()) ready_ = state_.wanted;
+  version_.store(ready_.version, std::memory_order_relaxed);
+  Wanted wanted = ready_;
+  wanted.picture_again = state_.wanted.picture_again;
+  wanted.kernel_report = state_.wanted.kernel_report;
   wanted.visible = watched(state_, now);
   wanted.room = std::any_of(lanes_.begin(), lanes_.end(), [&](const auto& lane) {
     return lane->slot->slot_free() && has_room(state_, lane->codec, now);
@@ -411,7 +415,7 @@ void LiveSession::tell_audience() {
 
 void LiveSession::carry_out(const Outcome& outcome, std::uint64_t connection,
                             std::unique_lock<std::mutex>& lock) {
-  version_.store(state_.wanted.version, std::memory_order_relaxed);
+  publish_version();
   if (outcome.problem) {
     v1::ServerMessage message;
     *message.mutable_problem() = *outcome.problem;

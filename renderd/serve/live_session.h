@@ -13,6 +13,7 @@
 #include "common/clock.h"
 #include "renderd/encode/encode_lane.h"
 #include "renderd/encode/tile_source.h"
+#include "renderd/scene/light_textures.h"
 #include "renderd/schedule/runner.h"
 #include "renderd/serve/file_work.h"
 #include "renderd/serve/metrics.h"
@@ -69,6 +70,8 @@ struct SessionParts {
   const KeptFacts& facts;
   SliceParts slices;
   std::atomic<int>& files;  ///< that are being made on this worker
+  /// Decodes textures, one at a time, beside everything else: that takes up to a second.
+  EncodePool& textures;
 };
 
 /// One session: joins the pure state machine to the runner, the encoders and the connections of all
@@ -237,6 +240,14 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   Lanes lanes() const;
   Saved saved() const;  // under the lock
 
+  // Textures are decoded before the runner hears of the scene that has them (session_textures.cpp).
+  // Under the lock:
+  bool textures_ready();
+  void publish_version();
+  // Without it:
+  void textures_decoded(const std::shared_ptr<const diaphane::v1::Scene>& scene,
+                        Result<std::shared_ptr<const PreparedTextures>> decoded);
+
   SessionParts parts_;
   const std::string id_;
   const std::string volume_id_;
@@ -281,6 +292,10 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   std::optional<File> file_;
   std::vector<diaphane::v1::Scene> key_views_;
   std::vector<diaphane::v1::Preset> presets_;
+  /// What is wanted with all its textures decoded: what the runner is told.
+  Wanted ready_;
+  std::shared_ptr<const PreparedTextures> textures_;  // of `ready_`
+  bool decoding_ = false;
   std::uint64_t runner_handle_ = 0;
   bool ended_ = false;
 

@@ -20,7 +20,7 @@ void LiveSession::follow(const v1::Scene& presenters) {
   {
     const std::lock_guard lock(mutex_);
     render::follow(state_, presenters, parts_.clock.now());
-    version_.store(state_.wanted.version, std::memory_order_relaxed);
+    publish_version();
   }
   parts_.runner.wake();
 }

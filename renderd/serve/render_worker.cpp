@@ -1,9 +1,13 @@
 #include "renderd/serve/render_worker.h"
 
+#include <malloc.h>
+#include <sys/resource.h>
+
 #include <condition_variable>
 #include <mutex>
 
 #include "common/log.h"
+#include "renderd/scene/texture_store.h"
 #include "renderd/schedule/policy.h"
 #include "renderd/schedule/visitor_share.h"
 #include "renderd/session/host_volume.h"
@@ -75,6 +79,7 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
             return volume::stored_hash(store + "/" + id);
           })),
       slicers_(std::make_unique<EncodePool>(1)),
+      textures_(std::make_unique<EncodePool>(1)),
       voxels_(std::make_unique<VolumeCache>(
           [source = Source{options.volume_dir, options.copies}](const std::string& id) {
             return load_voxels(source, id);
@@ -84,15 +89,25 @@ RenderWorker::RenderWorker(Options options, std::unique_ptr<Engine> engine, Metr
             return volume::stored_hash(store + "/" + id);
           })),
       host_(std::make_unique<SessionHost>(options.host, *engine_, *runner_, *encoders_, *volumes_,
-                                          facts_, SliceParts{*voxels_, *slicers_}, metrics, clock)),
+                                          facts_, SliceParts{*voxels_, *slicers_}, *textures_,
+                                          metrics, clock)),
       stills_(std::make_unique<StillService>(*engine_, *runner_, *encoders_, *volumes_, metrics,
                                              clock)),
       assists_(std::make_unique<AssistHost>(AssistHost::Options{options.host.slots}, *engine_,
                                             *runner_, *volumes_)),
-      watching_([this](const std::stop_token& stop) { watch_store(stop); }) {}
+      watching_([this](const std::stop_token& stop) { watch_store(stop); }) {
+  slow_down_decoding();
+}
+
+void RenderWorker::slow_down_decoding() {
+  // A linux thread's own: where cores are few, a picture is rendered before a texture is decoded.
+  constexpr int kNice = 10;
+  textures_->post(EncodePool::Urgency::kNow, [] { (void)setpriority(PRIO_PROCESS, 0, kNice); });
+}
 
 void RenderWorker::watch_store(const std::stop_token& stop) {
   constexpr std::chrono::seconds kPeriod{1};
+  constexpr std::size_t kWorthTrimming = std::size_t{16} << 20;
   std::mutex mutex;
   std::condition_variable_any changed;
   std::unique_lock lock(mutex);
@@ -102,6 +117,8 @@ void RenderWorker::watch_store(const std::stop_token& stop) {
       host_->volume_gone(id);
     }
     voxels_->forget_unused();
+    // Some of it comes from the heap, which keeps what it is given back.
+    if (take_freed_texture_memory() >= kWorthTrimming) malloc_trim(0);
     if (copies_) metrics_.volume_copies(copies_->counts());
   }
 }
@@ -118,6 +135,7 @@ RenderWorker::~RenderWorker() {
   // A load or a coding under way still ends in a call to the runner, which only its end forbids.
   volumes_.reset();
   slicers_.reset();
+  textures_.reset();
   voxels_.reset();
   encoders_.reset();
   runner_.reset();

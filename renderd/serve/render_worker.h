@@ -43,6 +43,7 @@ class RenderWorker {
   Runner& runner() { return *runner_; }
 
  private:
+  void slow_down_decoding();
   /// Each second: copies of volumes that the store has no more are let go, their sessions ended.
   void watch_store(const std::stop_token& stop);
 
@@ -55,7 +56,8 @@ class RenderWorker {
   std::unique_ptr<EncodePool> encoders_;
   std::unique_ptr<VolumeCache> volumes_;
   std::unique_ptr<EncodePool> slicers_;
-  std::unique_ptr<VolumeCache> voxels_;  ///< in the machine's memory, of those who see slices
+  std::unique_ptr<EncodePool> textures_;  ///< decodes those of sessions
+  std::unique_ptr<VolumeCache> voxels_;   ///< in the machine's memory, of those who see slices
   std::unique_ptr<SessionHost> host_;
   std::unique_ptr<StillService> stills_;
   std::unique_ptr<AssistHost> assists_;

@@ -69,7 +69,7 @@ bool is_displaced(const Error& why) {
 
 SessionHost::SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
                          VolumeCache& volumes, const KeptFacts& facts, SliceParts slices,
-                         Metrics& metrics, const Clock& clock)
+                         EncodePool& textures, Metrics& metrics, const Clock& clock)
     : options_(options),
       engine_(engine),
       runner_(runner),
@@ -77,6 +77,7 @@ SessionHost::SessionHost(Options options, Engine& engine, Runner& runner, Encode
       volumes_(volumes),
       facts_(facts),
       slices_(slices),
+      textures_(textures),
       metrics_(metrics),
       clock_(clock) {}
 
@@ -149,7 +150,8 @@ SessionParts SessionHost::parts() {
           spent_,
           facts_,
           slices_,
-          files_};
+          files_,
+          textures_};
 }
 
 // Its id is nobody's but this worker's: no ticket leads to it. The heartbeat counts its slot.

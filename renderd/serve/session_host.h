@@ -56,8 +56,8 @@ class SessionHost {
   };
 
   SessionHost(Options options, Engine& engine, Runner& runner, EncodePool& encoders,
-              VolumeCache& volumes, const KeptFacts& facts, SliceParts slices, Metrics& metrics,
-              const Clock& clock);
+              VolumeCache& volumes, const KeptFacts& facts, SliceParts slices, EncodePool& textures,
+              Metrics& metrics, const Clock& clock);
   ~SessionHost();
 
   /// Opens a session or joins one that is here. kTooMany: no slot is free, or as many viewers as
@@ -118,6 +118,7 @@ class SessionHost {
   VolumeCache& volumes_;
   const KeptFacts& facts_;
   const SliceParts slices_;
+  EncodePool& textures_;
   Metrics& metrics_;
   const Clock& clock_;
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <thread>
 
+#include "renderd/scene/test_textures.h"
+#include "renderd/scene/texture_store.h"
 #include "renderd/serve/test_worker.h"
 
 namespace diaphane::render {
@@ -472,6 +474,68 @@ TEST_F(HostTest, AVisitorGivesUpTheSlotToAnAccountHolderAndIsToldWhy) {
   EXPECT_TRUE(is_displaced(*why));
   EXPECT_FALSE(visit(new_id(), another)) << "a visitor displaces nobody";
   for (Viewer& holder : holders) EXPECT_FALSE(holder.link->inbox.ended(1ms));
+}
+
+/// A scene with a picture on a light of its own.
+v1::Scene textured(v1::Scene scene, unsigned number, std::uint32_t side) {
+  v1::Light& light = *scene.add_lights();
+  auto& environment = *light.mutable_environment();
+  environment.mutable_radiance()->set_r(1);
+  environment.mutable_texture()->set_picture(
+      test::png(side, side, [number](std::uint32_t, std::uint32_t) {
+        return test::Rgb8{static_cast<std::uint8_t>(number), 1, 2};
+      }));
+  return scene;
+}
+
+TEST_F(HostTest, TexturesOfAllSessionsShareOneBoundedMemoryAndWhoFindsNoneKeepsThePicture) {
+  if (test::png(1, 1, [](auto, auto) { return test::Rgb8{}; }).empty()) GTEST_SKIP();
+  constexpr std::size_t kBytes = std::size_t{256} * 256 * 16;
+  limit_texture_memory(2 * kBytes, 2 * kBytes);
+  std::vector<Viewer> viewers;
+  for (unsigned i = 0; i < 2; ++i) {
+    viewers.push_back(attach(new_id()));
+    const auto config = viewers.back().link->inbox.next_of(Kind::kConfig);
+    ASSERT_TRUE(config);
+    viewers.back().say(scene_message(2, textured(config->config().scene(), i, 256)));
+    if (i == 0) {
+      ASSERT_TRUE(viewers[0].follow([](const v1::Frame& frame) { return frame.input_seq() == 2; }));
+      EXPECT_GE(texture_memory(), kBytes);
+    }
+  }
+  const auto refused = viewers[1].link->inbox.next_of(Kind::kProblem);
+  ASSERT_TRUE(refused) << "the second needs a little more than there is left";
+  EXPECT_EQ(refused->problem().field(), "lights[1].environment.texture");
+  EXPECT_FALSE(refused->problem().fatal());
+  EXPECT_EQ(refused->problem().input_seq(), 2U);
+  ASSERT_TRUE(viewers[1].follow([](const v1::Frame&) { return true; })) << "the picture stays";
+  viewers.clear();
+  restart();
+  EXPECT_EQ(texture_memory(), 0U);
+  limit_texture_memory(kTextureMemory, kOwnersTextureMemory);
+}
+
+TEST_F(HostTest, AVisitorsTextureHasFewPixels) {
+  if (test::png(1, 1, [](auto, auto) { return test::Rgb8{}; }).empty()) GTEST_SKIP();
+  options.host.slots = 4;
+  restart();
+  Viewer visitor;
+  v1::Open open;
+  open.set_session_id(new_id());
+  open.set_volume_id(volume);
+  open.set_placement(1);
+  open.set_visitor(true);
+  visitor.attachment.emplace(*worker->host().open(open, visitor.link));
+  visitor.say(hello_message());
+  const auto config = visitor.link->inbox.next_of(Kind::kConfig);
+  ASSERT_TRUE(config);
+  visitor.say(scene_message(2, textured(config->config().scene(), 1, 1025)));
+  const auto refused = visitor.link->inbox.next_of(Kind::kProblem);
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->problem().code(), "invalid");
+  EXPECT_EQ(refused->problem().field(), "lights[1].environment.texture");
+  visitor.say(scene_message(3, textured(config->config().scene(), 1, 1024)));
+  ASSERT_TRUE(visitor.follow([](const v1::Frame& frame) { return frame.input_seq() == 3; }));
 }
 
 TEST_F(HostTest, ADrainTellsEverybodyToComeBackElsewhere) {

@@ -1,0 +1,83 @@
+#include "renderd/scene/texture_store.h"
+
+#include <gtest/gtest.h>
+
+#include "renderd/scene/test_textures.h"
+
+namespace diaphane::render {
+namespace {
+
+constexpr std::uint32_t kSide = 256;
+constexpr std::size_t kBytes = std::size_t{kSide} * kSide * 16;  // but for rows and file
+
+/// A file of its own for each number.
+std::string picture(unsigned number, std::uint32_t side = kSide) {
+  return test::png(side, side, [number](std::uint32_t, std::uint32_t) {
+    return test::Rgb8{static_cast<std::uint8_t>(number), 1, 2};
+  });
+}
+
+struct TextureStore : testing::Test {
+  TextureStore() { limit_texture_memory(4 * kBytes, 2 * kBytes + kBytes / 2); }
+  ~TextureStore() override { limit_texture_memory(kTextureMemory, kOwnersTextureMemory); }
+  void SetUp() override {
+    if (picture(0).empty()) GTEST_SKIP() << "built without PNG";
+  }
+  static auto prepare(const std::string& file, const std::string& owner = "") {
+    return prepare_textures_for(owner, {{&file, "lights[3].sphere.texture"}}, nullptr);
+  }
+};
+
+TEST_F(TextureStore, BoundsTheTexturesOfAllScenesTogetherAndSaysWhichFieldIsTooMuch) {
+  std::vector<std::shared_ptr<const PreparedTextures>> held;
+  for (unsigned i = 0; i < 3; ++i) {
+    const auto prepared = prepare(picture(i));
+    ASSERT_TRUE(prepared) << prepared.error().message;
+    held.push_back(*prepared);
+  }
+  EXPECT_GE(texture_memory(), 3 * kBytes);
+  const auto refused = prepare(picture(9));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kTooMany);
+  EXPECT_EQ(refused.error().field, "lights[3].sphere.texture");
+  (void)take_freed_texture_memory();
+  held.pop_back();
+  EXPECT_GE(take_freed_texture_memory(), kBytes);
+  EXPECT_TRUE(prepare(picture(9)));
+  held.clear();
+  EXPECT_EQ(texture_memory(), 0U);
+}
+
+TEST_F(TextureStore, BoundsWhatOneOwnerTakes) {
+  const auto first = prepare(picture(1), "ann"), second = prepare(picture(2), "ann");
+  ASSERT_TRUE(first && second);
+  EXPECT_FALSE(prepare(picture(3), "ann"));
+  EXPECT_TRUE(prepare(picture(3), "bob"));
+}
+
+TEST_F(TextureStore, TheSameFilesAreDecodedOnce) {
+  const auto one = prepare(picture(1), "ann");
+  const auto other = prepare(picture(1), "bob");
+  ASSERT_TRUE(one && other);
+  EXPECT_EQ(one->get(), other->get());
+  EXPECT_LT(texture_memory(), 2 * kBytes);
+}
+
+TEST_F(TextureStore, AnUnreadableFileKeepsNoMemory) {
+  std::string file = picture(1);
+  file.resize(file.size() / 2);
+  EXPECT_FALSE(prepare(file));
+  EXPECT_EQ(texture_memory(), 0U);
+}
+
+TEST_F(TextureStore, AVisitorsSceneHasASixteenthOfThePixels) {
+  const std::string allowed = picture(1, 1024), large = picture(1, 1025);
+  EXPECT_TRUE(check_visitors_textures({{&allowed, "a"}}));
+  const auto refused = check_visitors_textures({{&large, "lights[0].environment.texture"}});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "lights[0].environment.texture");
+  EXPECT_TRUE(bytes_of_textures({{&large, "a"}})) << "an account holder's may be larger";
+}
+
+}  // namespace
+}  // namespace diaphane::render

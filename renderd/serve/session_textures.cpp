@@ -1,0 +1,62 @@
+// Textures of a scene are decoded on a thread of their own before the runner hears of the scene:
+// its thread renders everybody's pictures.
+#include "renderd/scene/texture_store.h"
+#include "renderd/serve/live_session.h"
+
+namespace diaphane::render {
+
+bool LiveSession::textures_ready() {
+  const std::shared_ptr<const v1::Scene> scene = state_.wanted.scene;
+  if (!scene || scene == ready_.scene) return true;
+  const std::vector<TextureFile> files = texture_files(*scene);
+  if (files.empty()) {
+    textures_.reset();
+    return true;
+  }
+  if (decoding_) return false;
+  // A camera of one's own has the presenter's textures, which are there already.
+  const bool bounded = visitor_ && !camera_only_;
+  decoding_ = true;
+  parts_.textures.post(EncodePool::Urgency::kLater, [self = shared_from_this(), scene, bounded,
+                                                     before = textures_] {
+    const std::vector<TextureFile> to_decode = texture_files(*scene);
+    const auto small = bounded ? check_visitors_textures(to_decode) : Result<void>();
+    self->textures_decoded(scene, small ? prepare_textures_for(self->charged_to_, to_decode, before)
+                                        : tl::unexpected(small.error()));
+  });
+  return false;
+}
+
+void LiveSession::publish_version() {
+  // Else each quantum would be cut short for a scene that cannot be rendered yet.
+  if (textures_ready()) version_.store(state_.wanted.version, std::memory_order_relaxed);
+}
+
+void LiveSession::textures_decoded(const std::shared_ptr<const v1::Scene>& scene,
+                                   Result<std::shared_ptr<const PreparedTextures>> decoded) {
+  std::unique_lock lock(mutex_);
+  decoding_ = false;
+  if (ended_) return;
+  Outcome outcome;
+  if (state_.wanted.scene != scene) {
+    // A newer one came meanwhile, and is looked at when the runner asks.
+  } else if (decoded) {
+    textures_ = std::move(*decoded);
+    ready_ = state_.wanted;
+  } else {
+    outcome = render::refused(state_, state_.wanted, decoded.error());
+    // A session that has shown nothing yet shows the volume's first look.
+    if (state_.wanted.scene == scene) {
+      state_.wanted.scene.reset();  // volume_ready chooses
+      if (!presets_.empty()) {
+        state_.wanted.scene = std::make_shared<const v1::Scene>(presets_.front().scene());
+      }
+    }
+    ++state_.wanted.version;
+  }
+  outcome.wake = true;
+  const Receiver* presenter = state_.audience.of(state_.audience.presenter);
+  carry_out(outcome, presenter ? presenter->connection : 0, lock);
+}
+
+}  // namespace diaphane::render
