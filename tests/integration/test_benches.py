@@ -84,3 +84,14 @@ def test_the_contract_is_told_by_phase(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
     results = {r["name"]: r["value"] for r in json.loads((tmp_path / "results.json").read_text())["results"]}
     assert results["coverage: cases"] > 3 and results["coverage: findings"] == 0
+
+
+@pytest.mark.slow
+def test_an_attack_fails_nothing_that_ordinary_people_ask_for(tmp_path):
+    """A few attackers for a few seconds; the long form is `./diaphane bench abuse`. How long pictures took is no verdict here."""
+    bench("abuse", "--quick", "--json", str(tmp_path / "results.json"))
+    results = {r["name"]: r for r in json.loads((tmp_path / "results.json").read_text())["results"]}
+    assert results["failures of ordinary people"]["value"] == 0
+    assert results["programs that ended"]["value"] == 0
+    assert results["attacked: requests of ordinary people"]["value"] > 0
+    assert results["p95 attacked over calm"]["value"] > 0

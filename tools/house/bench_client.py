@@ -21,13 +21,14 @@ PART = 8 << 20
 class Person:
     """Signed up, confirmed by the mailed link, signed in."""
 
-    def __init__(self, stack: Stack):
+    def __init__(self, stack: Stack, address: str | None = None):
+        """`address`: of this machine, from which the person comes (127.0.0.0/8)."""
         import httpx
 
-        self.stack = stack
-        self.http = httpx.Client(base_url=stack.settings.url, timeout=60)
+        self.stack, self.address = stack, address
+        self.http = httpx.Client(base_url=stack.settings.url, timeout=60, transport=httpx.HTTPTransport(local_address=address))
         credentials = {"email": f"bench-{secrets.token_hex(6)}@example.org", "password": secrets.token_hex(16)}
-        self.password = credentials["password"]
+        self.email, self.password = credentials["email"], credentials["password"]
         self._post("/v1/accounts", {"email": credentials["email"]})
         self._post("/v1/accounts/verify", {"token": self._mailed_token(credentials["email"]), "password": self.password})
         answer = self._post("/v1/sign-in", credentials)
@@ -83,18 +84,18 @@ class Person:
 
     def viewer(self, data_set: str, width: int, height: int, codec: int = 1) -> "Viewer":
         opened = self._post("/v1/sessions", {"data_set_id": data_set}).json()
-        return Viewer(self.stack.settings.url, opened["stream_url"], width, height, codec)
+        return Viewer(self.stack.settings.url, opened["stream_url"], width, height, codec, self.address)
 
 
 class Viewer:
     """Speaks diaphane.v1 as the page does: acknowledges each frame, and nothing more."""
 
-    def __init__(self, origin: str, stream_url: str, width: int, height: int, codec: int = 1):
+    def __init__(self, origin: str, stream_url: str, width: int, height: int, codec: int = 1, address: str | None = None):
         from websockets.sync.client import connect
 
         self.messages = messages()
         self.socket_ = connect(origin.replace("http", "ws", 1) + stream_url, origin=origin, subprotocols=["diaphane.v1"],
-                               max_size=None, compression=None)
+                               max_size=None, compression=None, **({"source_address": (address, 0)} if address else {}))
         hello = self.messages["ClientMessage"]()
         hello.hello.protocol = 1
         hello.hello.codecs.append(codec)
