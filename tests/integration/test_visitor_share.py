@@ -48,13 +48,13 @@ def worker_counts(stack, **expected: int) -> bool:
     return [int(one or -1) for one in told] == list(expected.values())
 
 
-def fill(stack, count: int) -> list:
-    """So many sessions of other account holders, each with its viewer."""
+def fill(stack, count: int) -> list[Viewer]:
+    """So many sessions of somebody else with an account, each with its viewer."""
+    somebody = person(stack)
+    seen = store_ball(stack, somebody, 24)
     viewers = []
     for _ in range(count):
-        somebody = person(stack)
-        _, url = open_session(somebody, store_ball(stack, somebody, 24))
-        viewers.append(Viewer(stack.url, url, side=32))
+        viewers.append(Viewer(stack.url, open_session(somebody, seen)[1], side=32))
         viewers[-1].frame()
     return viewers
 
