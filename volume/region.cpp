@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/bounded_json.h"
 #include "volume/header.h"
 
 namespace diaphane::volume {
@@ -14,6 +14,9 @@ using nlohmann::json;
 
 /// Anything in a scan is nearer than this; sums and products of such numbers stay exact enough.
 constexpr double kFarthestMm = 1e5;
+
+/// A box and six planes have 65 values on five levels.
+constexpr JsonLimits kLimits{128, 8};
 
 tl::unexpected<Error> wrong(const std::string& field, const std::string& what) {
   return fail(ErrorCode::kInvalid, what, field);
@@ -101,8 +104,11 @@ std::vector<Region::Plane> faces_of(const Vector& low, const Vector& high) {
 }
 
 Result<Region> region_from_json(const std::string& text) {
-  const json body = json::parse(text, nullptr, false);
-  if (!only(body, {"box", "planes"})) return wrong("keep", "must have a box, may have planes");
+  const auto parsed = parse_json(text, kLimits);
+  if (!parsed || !only(*parsed, {"box", "planes"})) {
+    return wrong("keep", "must have a box, may have planes");
+  }
+  const json& body = *parsed;
   if (!body.contains("box") || !only(body["box"], {"low", "high"})) {
     return wrong("keep.box", "must have low and high");
   }

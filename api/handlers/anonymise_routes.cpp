@@ -27,7 +27,7 @@ nlohmann::ordered_json to_json(const Anonymise::View& view) {
 
 Outcome<Response> cut(Anonymise& anonymise, const Request& request, const Principal& who) {
   Fields in(request);
-  const nlohmann::json keep = in.any("keep");
+  const nlohmann::json& keep = in.any("keep");
   const std::string hash = in.text("volume_hash", 1, 100);
   const std::string said = in.text("confirm", 1, 100);
   std::string region;

@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "api/handlers/problem_document.h"
+#include "api/handlers/request_fields.h"
 #include "api/handlers/target.h"
 #include "api/service/secrets.h"
 #include "common/ids.h"
@@ -292,6 +293,12 @@ std::string Front::token_of(const Head& head) const {
     }
   }
   return {};
+}
+
+Outcome<Once> once_of(const Request& request, const Front& front) {
+  auto key = idempotency_key(request);
+  if (!key) return tl::unexpected(key.error());
+  return Once{*std::move(key), front.token_of(request)};
 }
 
 }  // namespace diaphane::api

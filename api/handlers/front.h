@@ -8,6 +8,7 @@
 
 #include "api/handlers/message.h"
 #include "api/service/accounts.h"
+#include "api/service/idempotency.h"
 #include "api/service/problem.h"
 
 namespace diaphane::api {
@@ -105,5 +106,8 @@ class Front {
   std::string cookie_name_;
   std::vector<Route> routes_;
 };
+
+/// The Idempotency-Key of a request, with what makes a secret the same again: the cookie.
+Outcome<Once> once_of(const Request& request, const Front& front);
 
 }  // namespace diaphane::api

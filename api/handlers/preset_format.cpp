@@ -12,6 +12,8 @@ namespace {
 
 /// The stream carries a scene in one message of at most 64 KB.
 constexpr std::size_t kMostSceneBytes = 60'000;
+/// As presets.scene holds (migrations/0006): the JSON has more bytes than the message.
+constexpr std::size_t kMostKeptSceneBytes = 524'288;
 constexpr std::size_t kLongestName = 60;
 
 Result<std::string> checked(const diaphane::v1::Scene& scene) {
@@ -21,7 +23,11 @@ Result<std::string> checked(const diaphane::v1::Scene& scene) {
   if (scene.ByteSizeLong() > kMostSceneBytes) {
     return fail(ErrorCode::kInvalid, "is too large: 60 KB at most", "");
   }
-  return scene::scene_to_json(scene);
+  std::string kept = scene::scene_to_json(scene);
+  if (kept.size() > kMostKeptSceneBytes) {
+    return fail(ErrorCode::kInvalid, "is too large: 512 KB at most as it is kept", "");
+  }
+  return kept;
 }
 
 bool is_xml(std::string_view content_type) {
@@ -47,7 +53,7 @@ Outcome<void> check_size(const Request& request) {
 }
 
 std::string read_scene(Fields& in) {
-  const nlohmann::json given = in.any("scene");
+  const nlohmann::json& given = in.any("scene");
   if (given.is_null()) {
     if (in.has("scene")) in.wrong("scene", "must be an object");
     return {};

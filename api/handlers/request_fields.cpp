@@ -5,8 +5,9 @@
 #include <ctime>
 #include <regex>
 
-#include "api/handlers/front.h"
+#include "common/bounded_json.h"
 #include "common/names.h"
+#include "common/utf8.h"
 
 namespace diaphane::api {
 namespace {
@@ -22,51 +23,50 @@ bool has_control(const std::string& text) {
                      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
 }
 
-/// As a JSON text, whatever bytes it has: which is JSON only when they are UTF-8.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    const bool plain = c != '"' && c != '\\' && static_cast<unsigned char>(c) >= 0x20;
-    out += plain ? c : ' ';
-  }
-  return out + '"';
-}
-
-/// Postgres takes nothing else. (A body is looked at by the JSON parser.)
-bool is_utf8(const std::string& text) {
-  try {
-    return !nlohmann::json(text).dump().empty();
-  } catch (const nlohmann::json::exception&) {
-    return false;
-  }
-}
-
 bool is_json(std::string_view content_type) {
   const std::string_view type = content_type.substr(0, content_type.find(';'));
   return type == "application/json" || type == "application/json ";
 }
 
+Problem problem_of(JsonFault fault, std::size_t most_values) {
+  const auto bad = [](std::string detail) {
+    return Problem{ProblemKind::kBadRequest, std::move(detail), {}, {}};
+  };
+  switch (fault) {
+    case JsonFault::kTooDeep:
+      return bad("The body is nested more than " + std::to_string(kDeepestJson) +
+                 " levels deep; nothing here needs that.");
+    case JsonFault::kTooManyValues:
+      return bad("The body has more than " + std::to_string(most_values) +
+                 " JSON values; send fewer.");
+    case JsonFault::kMalformed:
+      break;
+  }
+  return bad("The body is not JSON.");
+}
+
 }  // namespace
 
-Fields::Fields(const Request& request) {
+Fields::Fields(const Request& request, std::size_t most_values) {
   if (!is_json(request.header("content-type"))) {
     unreadable_ = Problem{ProblemKind::kMediaType, "The body must be application/json.", {}, {}};
     return;
   }
-  object_ = nlohmann::json::parse(request.body, nullptr, false);
-  if (object_.is_discarded()) {
-    unreadable_ = Problem{ProblemKind::kBadRequest, "The body is not JSON.", {}, {}};
-  } else if (!object_.is_object()) {
+  auto body = parse_json(request.body, {most_values});
+  if (!body) {
+    unreadable_ = problem_of(body.error(), most_values);
+  } else if (!body->is_object()) {
     unreadable_ = Problem{ProblemKind::kInvalid, "The body must be a JSON object.", {}, {}};
+  } else {
+    object_ = *std::move(body);
   }
-  if (unreadable_) object_ = nlohmann::json::object();
 }
 
 Fields::Fields(const std::string& where, const std::map<std::string, std::string>& texts) {
   for (const auto& [name, text] : texts) {
-    const bool is_utf8 = nlohmann::json::accept(quoted(text));
-    if (!is_utf8) wrong(where, "holds a " + name + " that is not UTF-8");
-    object_[name] = is_utf8 ? text : std::string();
+    const bool sound = is_utf8(text);
+    if (!sound) wrong(where, "holds a " + name + " that is not UTF-8");
+    object_[name] = sound ? text : std::string();
   }
 }
 
@@ -106,9 +106,10 @@ std::string Fields::name(const std::string& name, std::size_t low, std::size_t h
   return clean;
 }
 
-nlohmann::json Fields::any(const std::string& name) {
+const nlohmann::json& Fields::any(const std::string& name) {
+  static const nlohmann::json missing;
   const auto* value = take(name, true);
-  return value ? *value : nlohmann::json();
+  return value ? *value : missing;
 }
 
 std::string Fields::text_or(const std::string& name, std::string fallback, std::size_t high) {
@@ -292,12 +293,6 @@ Outcome<std::string> idempotency_key(const Request& request) {
                                                       [](char c) { return c > 0x20 && c < 0x7f; });
   if (!plain) return refuse_field("Idempotency-Key", "must be up to 128 visible ASCII characters");
   return std::string(key);
-}
-
-Outcome<Once> once_of(const Request& request, const Front& front) {
-  auto key = idempotency_key(request);
-  if (!key) return tl::unexpected(key.error());
-  return Once{*std::move(key), front.token_of(request)};
 }
 
 }  // namespace diaphane::api

@@ -24,7 +24,12 @@ namespace diaphane::api {
 ///   if (auto wrong = in.finish()) return tl::unexpected(*wrong);
 class Fields {
  public:
-  explicit Fields(const Request& request);
+  /// Of an ordinary body: one for each 8 bytes of the largest, a preset of 256 KB. A value takes up
+  /// to 160 bytes, so that a body costs 5 MB at most; 1 MB of "[]" without a limit takes 31 MB.
+  static constexpr std::size_t kMostValues = 32'768;
+
+  /// Also unreadable: a body that is nested more than kDeepestJson deep or has too many values.
+  explicit Fields(const Request& request, std::size_t most_values = kMostValues);
   /// Of texts that came elsewhere, in the header `where`: any bytes, so their coding is checked.
   Fields(const std::string& where, const std::map<std::string, std::string>& texts);
 
@@ -54,7 +59,8 @@ class Fields {
   std::optional<bool> optional_boolean(const std::string& name);
 
   /// Required; null when it is missing. For what has a form of its own, checked by the caller.
-  nlohmann::json any(const std::string& name);
+  /// Valid as long as these fields are.
+  const nlohmann::json& any(const std::string& name);
   /// A mistake that the caller found.
   void wrong(std::string field, std::string message);
 
@@ -94,8 +100,5 @@ std::optional<std::chrono::system_clock::time_point> time_of(const std::string& 
 
 /// The header, or empty when absent; kInvalid for what no key may be.
 Outcome<std::string> idempotency_key(const Request& request);
-/// The same, with what makes a secret the same again: the cookie.
-class Front;
-Outcome<Once> once_of(const Request& request, const Front& front);
 
 }  // namespace diaphane::api

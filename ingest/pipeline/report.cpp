@@ -1,9 +1,9 @@
 #include "ingest/pipeline/report.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "common/bounded_json.h"
 #include "volume/header.h"
 
 namespace diaphane::ingest {
@@ -13,6 +13,8 @@ using nlohmann::json;
 
 constexpr std::size_t kLongestText = 400;
 constexpr std::size_t kMostRepairs = 20;
+/// Five values on two levels are written; the child may have been taken over.
+constexpr JsonLimits kLimits{16, 4};
 
 bool is_code(std::string_view text) {
   return !text.empty() && text.size() <= 40 &&
@@ -50,9 +52,10 @@ std::string write_report(const Verdict& verdict) {
 }
 
 Result<Verdict> read_report(const std::string& report) {
-  const json body = json::parse(report, nullptr, false);
   const auto bad = [] { return fail(ErrorCode::kInvalid, "the report makes no sense"); };
-  if (!body.is_object()) return bad();
+  const auto parsed = parse_json(report, kLimits);
+  if (!parsed || !parsed->is_object()) return bad();
+  const json& body = *parsed;
   if (!body.contains("header")) {
     const json code = body.value("code", json()), text = body.value("text", json());
     if (!code.is_string() || !text.is_string()) return bad();

@@ -1,4 +1,5 @@
 // What leaves for a viewer after the frames: the lossless end; and what his connection changes.
+#include <google/protobuf/io/coded_stream.h>
 #include <gtest/gtest.h>
 
 #include "renderd/session/test_messages.h"
@@ -194,6 +195,26 @@ TEST_F(StreamTest, ALongRoundTripHoldsMoreThanTwoFramesAndABoundedNumberOfBytes)
   }
   EXPECT_GT(most_frames, 2U);
   EXPECT_LT(most_bytes, 250000U) << "a quarter of a second";
+}
+
+// Nobody's message of the stream has more than a dozen levels. Unknown groups nest without a
+// schema; messages are parsed by recursion, so that only this limit keeps the stack from
+// overflowing.
+TEST(StreamMessage, NestedMoreThanAHundredLevelsDeepIsNoMessage) {
+  const auto nested = [](std::size_t levels) {
+    constexpr char kBegin = 15 << 3 | 3, kEnd = 15 << 3 | 4;  // of the group 15, which nobody knows
+    return std::string(levels, kBegin) + std::string(levels, kEnd);
+  };
+  EXPECT_EQ(google::protobuf::io::CodedInputStream::GetDefaultRecursionLimit(), 100);
+  v1::ClientMessage said;
+  v1::ServerMessage answer;
+  v1::Scene kept;
+  EXPECT_TRUE(said.ParseFromString(nested(99)));
+  for (const std::size_t levels : {101U, 30'000U}) {
+    EXPECT_FALSE(said.ParseFromString(nested(levels))) << levels;
+    EXPECT_FALSE(answer.ParseFromString(nested(levels))) << levels;
+    EXPECT_FALSE(kept.ParseFromString(nested(levels))) << levels;
+  }
 }
 
 }  // namespace

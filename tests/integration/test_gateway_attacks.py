@@ -93,6 +93,7 @@ MESSAGES = {
     "a message in endless pieces": (bytes([0x02, 0x80]) + b"\0" * 4
                                     + (bytes([0x00, 0xFE]) + (30_000).to_bytes(2, "big") + b"\0" * 30_004) * 4, 1009),
     "no message of the protocol": (frame(2, b"\xff" * 100), 4400),
+    "groups nested 30,000 deep": (frame(2, b"\x7b" * 30_000 + b"\x7c" * 30_000), 4400),
     "text": (frame(1, b"hello"), 4400),
     "not masked": (frame(2, b"hello", masked=False), 1002),
     "a reserved opcode": (frame(3, b"hello"), 1002),
