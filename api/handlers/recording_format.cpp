@@ -7,8 +7,10 @@ using nlohmann::json;
 using nlohmann::ordered_json;
 
 constexpr std::size_t kMostEvents = 20'000;
+constexpr std::size_t kMostKeptBytes = 1'048'576;  // as recordings.body holds (migrations/0003)
 constexpr std::int64_t kLongestPauseMs = 10'000;
 constexpr int kDeepest = 12;
+constexpr std::string_view kEnd = "]}";
 
 /// False when it is too deep, or holds what no scene has.
 bool strip(json& value, int depth) {
@@ -36,29 +38,37 @@ bool is_count(const json& value, std::int64_t low, std::int64_t high) {
   return value.get<std::int64_t>() >= low && value.get<std::int64_t>() <= high;
 }
 
-/// The events as they are kept, or what is wrong with the first that is.
-std::string read_events(const json& given, ordered_json& kept, std::int64_t& last_ms) {
+/// Adds the events to `recording` as they are kept; what is wrong with the first that is refused.
+/// Each is written as soon as it is read, so that at most one exists twice as a tree.
+std::string read_events(const json& given, Recording& recording) {
   if (!given.is_array() || given.empty() || given.size() > kMostEvents) {
     return "must be a list of 1 to 20000 events";
   }
-  last_ms = 0;
+  std::int64_t last_ms = 0;
   for (const json& event : given) {
+    const bool first = recording.events == 0;
     const bool scene = event.is_object() && event.contains("scene");
     const bool camera = event.is_object() && event.contains("camera");
     if (!event.is_object() || event.size() != 2 || scene == camera || !event.contains("at_ms")) {
       return "each must have at_ms, and scene or camera";
     }
-    if (kept.empty() && !scene) return "the first must have a scene";
+    if (first && !scene) return "the first must have a scene";
     if (!is_count(event["at_ms"], last_ms, last_ms + kLongestPauseMs) ||
-        (kept.empty() && event["at_ms"] != 0)) {
+        (first && event["at_ms"] != 0)) {
       return "times begin with 0, do not fall, and pauses are at most 10 s";
     }
     const char* what = scene ? "scene" : "camera";
     json look = event[what];
     if (!look.is_object() || !strip(look, 0)) return "holds what is no scene";
     last_ms = event["at_ms"].get<std::int64_t>();
-    kept.push_back({{"at_ms", last_ms}, {what, std::move(look)}});
+    recording.body += (first ? "" : ",") + ordered_json{{"at_ms", last_ms}, {what, look}}.dump();
+    ++recording.events;
+    // The end of the document is still to come.
+    if (recording.body.size() + kEnd.size() > kMostKeptBytes) {
+      return "take more than 1 MiB when they are kept; end the recording sooner";
+    }
   }
+  recording.duration_ms = last_ms;
   return {};
 }
 
@@ -69,23 +79,19 @@ Recording read_recording(Fields& in) {
   const std::string format = in.text("format", 1, 64);
   if (format != "diaphane-interaction") in.wrong("format", "must be diaphane-interaction");
   const std::int64_t version = in.integer("version", 1, 1);
-  const json viewport = in.any("viewport");
+  const json& viewport = in.any("viewport");
   const bool sized = viewport.is_object() && viewport.size() == 2 && viewport.contains("width") &&
                      viewport.contains("height") && is_count(viewport["width"], 16, 4096) &&
                      is_count(viewport["height"], 16, 4096);
   if (!sized) in.wrong("viewport", "must have width and height, 16 to 4096");
-  ordered_json events = ordered_json::array();
-  const std::string mistake = read_events(in.any("events"), events, recording.duration_ms);
-  if (!mistake.empty()) {
+  recording.body =
+      ordered_json{{"format", format}, {"version", version}, {"viewport", viewport}}.dump();
+  recording.body.back() = ',';
+  recording.body += "\"events\":[";
+  if (const std::string mistake = read_events(in.any("events"), recording); !mistake.empty()) {
     in.wrong("events", mistake);
-    return recording;
   }
-  recording.events = static_cast<int>(events.size());
-  const ordered_json document{{"format", format},
-                              {"version", version},
-                              {"viewport", viewport},
-                              {"events", std::move(events)}};
-  recording.body = document.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+  recording.body += kEnd;
   return recording;
 }
 

@@ -27,7 +27,7 @@ ReadRecording read(const json& document) {
   Request request;
   request.headers["content-type"] = "application/json";
   request.body = document.dump();
-  Fields in(request);
+  Fields in(request, kMostRecordingValues);
   ReadRecording read;
   read.recording = read_recording(in);
   read.wrong = in.finish();
@@ -74,6 +74,34 @@ TEST(RecordingFormat, WhatIsNoneIsRefusedByItsPart) {
   EXPECT_EQ(refused(R"([{"op": "replace", "path": "/format", "value": "x"}])"), "format");
   EXPECT_EQ(refused(R"([{"op": "replace", "path": "/viewport/width", "value": 5}])"), "viewport");
   EXPECT_EQ(refused(R"([{"op": "add", "path": "/title", "value": "Head"}])"), "title");
+}
+
+TEST(RecordingFormat, ARecordingIsBoundedByWhatWillBeStored) {
+  // Three characters of the request are twelve of what is kept: "1e9" is written 1000000000.0.
+  const auto recorded = [](int numbers) {
+    std::string list = "1e9";
+    for (int i = 1; i < numbers; ++i) list += ",1e9";
+    Request request;
+    request.headers["content-type"] = "application/json";
+    request.body = R"({"format": "diaphane-interaction", "version": 1,
+        "viewport": {"width": 640, "height": 480},
+        "events": [{"at_ms": 0, "scene": {}}, {"at_ms": 1, "camera": {"eye": [)" +
+                   list + "]}}]}";
+    Fields in(request, kMostRecordingValues);
+    ReadRecording read;
+    read.recording = read_recording(in);
+    read.wrong = in.finish();
+    return read;
+  };
+  const auto large = recorded(80'000);
+  ASSERT_FALSE(large.wrong);
+  EXPECT_GT(large.recording.body.size(), 1'040'000U);
+  EXPECT_LE(large.recording.body.size(), 1'048'576U);
+  const auto too_large = recorded(100'000);
+  ASSERT_TRUE(too_large.wrong);
+  EXPECT_EQ(too_large.wrong->kind, ProblemKind::kInvalid);
+  EXPECT_EQ(too_large.wrong->fields.at(0).field, "events");
+  EXPECT_NE(too_large.wrong->fields.at(0).message.find("1 MiB"), std::string::npos);
 }
 
 TEST(RecordingFormat, WhatIsDeeperThanASceneIsRefused) {

@@ -28,7 +28,7 @@ std::vector<Route> recording_routes(Recordings& recordings) {
   };
   const auto add = [&recordings](const Request& request,
                                  const Principal& who) -> Outcome<Response> {
-    Fields in(request);
+    Fields in(request, kMostRecordingValues);
     Recording recording = read_recording(in);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
     const auto id = recordings.add(who, std::move(recording));
