@@ -9,6 +9,7 @@
 #include <condition_variable>
 #include <mutex>
 
+#include "api/http/reason_phrase.h"
 #include "common/log.h"
 
 namespace diaphane::api {
@@ -175,7 +176,8 @@ void Listener::Impl::refuse_body(const Shared& exchange, Response response) {
 
 void Listener::Impl::reply(const Shared& exchange, const Response& response) {
   http_response answer(static_cast<web::http::status_code>(response.status));
-  if (answer.reason_phrase().empty()) answer.set_reason_phrase("Refused");
+  // The library would fill in the phrases that it knows; it knows neither 428 nor 460 nor 507.
+  answer.set_reason_phrase(std::string(reason_phrase(response.status)));
   if (!response.body.empty()) {
     answer.set_body(response.body, response.content_type);
   } else if (!response.content_type.empty()) {
