@@ -3,12 +3,15 @@
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
 #include <pugixml.hpp>
 #include <sstream>
 #include <vector>
+
+#include "common/utf8.h"
 
 namespace diaphane::scene {
 namespace {
@@ -31,6 +34,15 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
 }
 
+/// A reference such as &#xD800; makes of good UTF-8 what is none.
+bool has_utf8_only(const pugi::xml_node& node) {
+  if (!is_utf8(node.name()) || !is_utf8(node.value())) return false;
+  const auto attributes = node.attributes();
+  return std::all_of(attributes.begin(), attributes.end(), [](const pugi::xml_attribute& one) {
+    return is_utf8(one.name()) && is_utf8(one.value());
+  });
+}
+
 /// No DTD, no deeper and no more than is allowed. Without recursion: it is not known yet how deep.
 Result<void> check_form(const pugi::xml_document& document) {
   int nodes = 0, depth = 0;
@@ -40,6 +52,7 @@ Result<void> check_form(const pugi::xml_document& document) {
     if (node.type() == pugi::node_pi)
       return refused(kRoot, "must not have processing instructions");
     if (++nodes > kMostXmlNodes) return refused(kRoot, "has too many elements");
+    if (!has_utf8_only(node)) return refused(kRoot, "must be UTF-8");
     if (node.first_child()) {
       if (++depth >= kDeepestXml) return refused(kRoot, "is nested too deeply");
       node = node.first_child();
@@ -222,6 +235,7 @@ void write_message(const Message& message, pugi::xml_node element) {
 Result<void> parse(std::string_view xml, pugi::xml_document& document) {
   if (xml.size() > kMostXmlBytes) return refused(kRoot, "may have 256 KB at most");
   if (xml.find('\0') != std::string_view::npos) return refused(kRoot, "must not hold zero bytes");
+  if (!is_utf8(xml)) return refused(kRoot, "must be UTF-8");
   // Of entities the parser knows the five of XML and character references, nothing else; it opens
   // no file. A DOCTYPE is read only so that it can be refused.
   constexpr unsigned kOptions =

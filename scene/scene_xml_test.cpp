@@ -124,6 +124,17 @@ TEST(PresetXml, RefusesHostileDocumentsAtOnce) {
   }
 }
 
+TEST(PresetXml, RefusesWhatIsNotUtf8) {
+  const std::string declared = "<?xml version=\"1.0\" comment=\"\xff\"?>";
+  for (const std::string& bad :
+       {wrapped("", "version=\"1\" name=\"\xe9\""), wrapped("<lights><name>\xff</name></lights>"),
+        wrapped("<lights><name>&#xD800;</name></lights>"), wrapped("<atlas page=\"&#x110000;\"/>"),
+        wrapped("<!-- \xc0\x80 -->"), declared + wrapped("")}) {
+    EXPECT_EQ(field_of_error(bad), "preset") << bad;
+  }
+  EXPECT_EQ(field_of_error(wrapped("<lights><name>&#x20AC; \xc3\xa9</name></lights>")), "none");
+}
+
 TEST(PresetXml, AnEntityIsNeverAnythingButText) {
   const auto read = preset_from_xml(wrapped("<lights><name>&file; &amp; &#65;</name></lights>"));
   ASSERT_TRUE(read);
