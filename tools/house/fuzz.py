@@ -13,10 +13,12 @@ from pathlib import Path
 from . import build, install, paths
 from .says import HouseError, say, step, warn
 
-TARGETS = ("precheck", "codestream", "tar", "report", "volume", "viewer")
+TARGETS = ("precheck", "codestream", "tar", "report", "volume", "viewer", "stream", "fields", "preset", "recording", "scene_xml")
 SOURCES = paths.REPO / "tests" / "fuzz"
 #: A run longer than this, or larger, is a finding.
 SECONDS_A_RUN, MEGABYTES = 5, 1024
+#: A stack this small overflows at the depth that 8 KB of input can nest, if anything recurses over it without a bound.
+STACK_BYTES = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,7 @@ def _fuzz(folder: Path, name: str, seconds: int) -> Found:
     corpus.mkdir(parents=True, exist_ok=True)
     findings.mkdir(exist_ok=True)
     done = subprocess.run(
-        [folder / "bin" / f"fuzz_{name}", f"-max_total_time={seconds}", f"-timeout={SECONDS_A_RUN}",
+        ["prlimit", f"--stack={STACK_BYTES}", folder / "bin" / f"fuzz_{name}", f"-max_total_time={seconds}", f"-timeout={SECONDS_A_RUN}",
          f"-rss_limit_mb={MEGABYTES}", "-max_len=8192", "-print_final_stats=1", f"-artifact_prefix={findings}/{name}-",
          corpus, SOURCES / "corpus" / name],
         env=_environment(), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,

@@ -1,0 +1,131 @@
+// Any bytes as what three people say to one session, in steps of one byte (who, or what is done),
+// two of length, and a message. All messages of the stream and of the workers are read the way that
+// gateway and renderd read them; what the session lets in is done, live links and cameras of a
+// follower's own included.
+#include <google/protobuf/stubs/logging.h>
+
+#include <algorithm>
+#include <array>
+
+#include "api/proto/stream.pb.h"
+#include "api/proto/worker.pb.h"
+#include "renderd/scene/presets.h"
+#include "renderd/session/state.h"
+#include "renderd/session/test_messages.h"
+#include "tests/fuzz/must.h"
+
+using namespace diaphane;
+using namespace diaphane::render;
+
+namespace {
+
+constexpr std::array<std::string_view, 3> kPeople{"owner", "0190b2a0-0000-7000-8000-000000000001",
+                                                  "0190b2a0-0000-7000-8000-000000000002"};
+
+/// As gRPC and the sessions do it. What can be read can be written, and read again.
+template <typename T>
+bool read(const std::string& bytes) {
+  T message;
+  if (!message.ParseFromString(bytes)) return false;
+  T again;
+  MUST(again.ParseFromString(message.SerializeAsString()));
+  MUST(again.ByteSizeLong() == message.ByteSizeLong());
+  return true;
+}
+
+/// Whatever the kind, a message that is nested more than 100 deep is refused.
+void read_all(const std::string& bytes) {
+  (void)read<v1::ClientMessage>(bytes);
+  (void)read<v1::ServerMessage>(bytes);
+  (void)read<v1::AttachRequest>(bytes);
+  (void)read<v1::AttachReply>(bytes);
+  (void)read<v1::Refusal>(bytes);
+  (void)read<v1::StillRequest>(bytes);
+  (void)read<v1::StillReply>(bytes);
+  (void)read<v1::AssistRequest>(bytes);
+  (void)read<v1::AssistReply>(bytes);
+  v1::Scene scene;
+  if (scene.ParseFromString(bytes)) (void)check_scene(scene);
+}
+
+class Meeting {
+ public:
+  Meeting() {
+    group_.wanted.scene = std::make_shared<const v1::Scene>(plain_scene());
+    own_.wanted.scene = group_.wanted.scene;
+    own_.camera_only = true;
+    for (std::size_t i = 0; i < kPeople.size(); ++i) come(i);
+    const auto alone = attach(own_, {}, now_);
+    MUST(alone.has_value());
+    own_connection_ = alone->connection;
+    (void)receive(own_, own_connection_, hello(), now_);
+  }
+
+  void step(unsigned what, const std::string& bytes) {
+    now_ += std::chrono::milliseconds(60);
+    const std::size_t who = what % 4;
+    if (who == 3) return read_all(bytes);
+    switch (what / 4 % 4) {
+      case 1:
+        return come(who);
+      case 2:
+        detach(group_, connections_[who], now_);
+        now_ += std::chrono::seconds(6);
+        return;
+      case 3:
+        return hear(own_, own_connection_, bytes);
+      default:
+        return hear(group_, connections_[who], bytes);
+    }
+  }
+
+ private:
+  void come(std::size_t who) {
+    const Arrival arrival{std::string(kPeople[who]), "", ""};
+    const auto attached = attach(group_, arrival, now_);
+    MUST(attached.has_value());
+    connections_[who] = attached->connection;
+    (void)receive(group_, connections_[who], hello(), now_);
+  }
+
+  void hear(SessionState& state, std::uint64_t connection, const std::string& bytes) {
+    v1::ClientMessage message;
+    if (!message.ParseFromString(bytes) || !state.audience.find(connection)) return;
+    const Outcome outcome = receive(state, connection, message, now_);
+    if (outcome.problem) MUST(!outcome.problem->message().empty());
+    if (outcome.own_camera) {
+      Receiver* const receiver = state.audience.find(connection);
+      MUST(!(*outcome.own_camera && state.audience.presents(*receiver)));
+      use_own_camera(state, *receiver, *outcome.own_camera, now_);
+    }
+    MUST(state.wanted.scene && check_scene(*state.wanted.scene));
+    MUST(state.audience.receivers.size() <= kPeople.size());
+    if (&state == &group_) {
+      follow(own_, *group_.wanted.scene, now_);
+      MUST(check_scene(*own_.wanted.scene).has_value());
+    }
+    if (outcome.wake) began(state, ++epoch_, state.wanted);
+    (void)watched(state, now_);
+    (void)overdue_greetings(state, now_);
+  }
+
+  SessionState group_, own_;
+  std::array<std::uint64_t, kPeople.size()> connections_{};
+  std::uint64_t own_connection_ = 0, epoch_ = 0;
+  TimePoint now_{std::chrono::seconds(1)};
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
+  static auto* const silenced = google::protobuf::SetLogHandler(nullptr);
+  (void)silenced;
+  Meeting meeting;
+  while (size >= 3) {
+    const std::size_t length = std::min<std::size_t>(data[1] + 256 * data[2], size - 3);
+    meeting.step(data[0], {reinterpret_cast<const char*>(data) + 3, length});
+    data += 3 + length;
+    size -= 3 + length;
+  }
+  return 0;
+}
