@@ -29,12 +29,12 @@ local entries = 'diaphane:worker:' .. worker .. ':sessions'
 redis.call('ZREMRANGEBYSCORE', entries, '-inf', now)
 local entry = redis.call('ZSCORE', entries, session)
 -- Who has an account displaces a visitor (place.lua).
-local displaced = s[11] == '1' and 0 or tonumber(w[4] or '0')
+local displaced = s[12] == '1' and 0 or tonumber(w[4] or '0')
 if not entry and redis.call('ZCARD', entries) - displaced >= tonumber(w[3]) then return {'worker_lost'} end
 local until_ms = now + tonumber(ARGV[2])
 if not entry or tonumber(entry) < until_ms then redis.call('ZADD', entries, until_ms, session) end
 redis.call('EXPIRE', entries, 60)
-if s[11] == '1' then
+if s[12] == '1' then
   redis.call('ZADD', 'diaphane:visitors', until_ms, session)
   redis.call('EXPIRE', 'diaphane:visitors', 60)
 end
