@@ -208,17 +208,18 @@ Response Front::serve(Admitted& admitted) const {
   const log::RequestScope scope(request.request_id);
   Response response;
   try {
-    bool renewed = false;
+    bool renewed = false, begun = false;
     const auto answer = [&]() -> Outcome<Response> {
       if (admitted.asks_for_body) return decide_body(route, request);
       const auto principal = identify(route, request, Accounts::Renewal::kYes);
       if (!principal) return tl::unexpected(principal.error());
       renewed = principal->renewed;
+      begun = true;
       return route.handler(request, *principal);
     };
     auto outcome = answer();
     // Nothing that was asked for has been begun, or it was only to be read: trying again is safe.
-    if (!outcome && (!principal || is_safe(request.method)) &&
+    if (!outcome && (!begun || is_safe(request.method)) &&
         outcome.error().kind == ProblemKind::kOutcomeUnknown) {
       outcome = refuse(ProblemKind::kUnavailable,
                        "The service is temporarily unavailable. Please try again in a moment.",
