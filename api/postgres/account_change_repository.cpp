@@ -187,9 +187,8 @@ Result<void> AccountChangeRepository::end_browser_sessions(const std::string& us
   });
 }
 
-Result<std::vector<ExpiredBrowser>> AccountChangeRepository::expired_browsers(Time now,
-                                                                              int limit) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<ExpiredBrowser>> {
+Result<std::vector<ExpiredBrowser>> AccountChangeRepository::expired_browsers(Time now, int limit) {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<ExpiredBrowser>> {
     std::vector<ExpiredBrowser> expired;
     for (const pqxx::row& row : transaction.exec_params(R"sql(
              SELECT id, user_id FROM web_sessions

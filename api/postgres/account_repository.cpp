@@ -74,7 +74,7 @@ Result<void> AccountRepository::sign_up(const SignUp& sign_up, Time now) {
 
 Result<std::optional<std::string>> AccountRepository::find_sign_up(const std::string& token_hash,
                                                                    Time now) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::optional<std::string>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::optional<std::string>> {
     const pqxx::result found = transaction.exec_params(
         R"sql(
         SELECT u.email FROM email_tokens t JOIN users u ON u.id = t.user_id

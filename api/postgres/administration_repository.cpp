@@ -191,7 +191,7 @@ Result<std::vector<AuditRecord>> AdministrationRepository::audit(const AuditFilt
 
 Result<std::vector<std::string>> AdministrationRepository::ready_data_sets(
     const std::string& user_id) {
-  return database_.transact([&](pqxx::work& transaction) -> Result<std::vector<std::string>> {
+  return database_.read([&](pqxx::work& transaction) -> Result<std::vector<std::string>> {
     std::vector<std::string> found;
     for (const pqxx::row& row : transaction.exec_params(
              "SELECT id FROM data_sets WHERE owner_id = $1::uuid AND state = 'ready'", user_id)) {
