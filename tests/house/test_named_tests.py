@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 REPO = Path(__file__).resolve().parents[2]
-PAGES = ("security.md", "threat-model.md", "privacy.md", "edge.md", "testing.md")
+PAGES = ("bounds.md", "security.md", "threat-model.md", "privacy.md", "edge.md", "testing.md")
 SOURCES = ("common", "volume", "ingest", "scene", "api", "renderd", "operator")
 
 
