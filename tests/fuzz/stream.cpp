@@ -55,7 +55,7 @@ class Meeting {
     own_.wanted.scene = group_.wanted.scene;
     own_.camera_only = true;
     for (std::size_t i = 0; i < kPeople.size(); ++i) come(i);
-    const auto alone = attach(own_, {}, now_);
+    const auto alone = attach(own_, owner(), now_);
     MUST(alone.has_value());
     own_connection_ = alone->connection;
     (void)receive(own_, own_connection_, hello(), now_);
@@ -81,7 +81,8 @@ class Meeting {
 
  private:
   void come(std::size_t who) {
-    const Arrival arrival{std::string(kPeople[who]), "", ""};
+    Arrival arrival = who == 0 ? owner() : Arrival{};
+    arrival.participant = kPeople[who];
     const auto attached = attach(group_, arrival, now_);
     MUST(attached.has_value());
     connections_[who] = attached->connection;
@@ -91,6 +92,10 @@ class Meeting {
   void hear(SessionState& state, std::uint64_t connection, const std::string& bytes) {
     v1::ClientMessage message;
     if (!message.ParseFromString(bytes) || !state.audience.find(connection)) return;
+    if (const auto refused = refused_request(state, connection, message)) {
+      MUST(!refused->message().empty());
+      return;
+    }
     const Outcome outcome = receive(state, connection, message, now_);
     if (outcome.problem) MUST(!outcome.problem->message().empty());
     if (outcome.own_camera) {
