@@ -134,7 +134,7 @@ def test_a_body_that_is_no_json_object_is_refused(api, one, boss, operation):  #
     path, method, _ = operation
     one = caller(one, boss, operation)
     json_type = {"Content-Type": "application/json"}
-    for raw in (b"", b"{", b"\xff\xfe", b'{"a":1}}', b"[" * 100_000, b'{"email":"\xc3\x28"}'):
+    for raw in (b"", b"{", b"\xff\xfe", b'{"a":1}}', b"[" * 10_000, b'{"email":"\xc3\x28"}'):
         problem(one.http.request(method, address(path), content=raw, headers=json_type), 400, "bad-request")
     for raw in (b"[]", b"null", b"1", b'"text"'):
         problem(one.http.request(method, address(path), content=raw, headers=json_type), 422, "invalid")
