@@ -191,7 +191,8 @@ int serve(const Settings& settings, service::StopSignal& stop) {
   const SealingKey& factor_key = settings.factor_key.value();
   CodeCheck code_check(factor_store, account_store, factor_key, clock,
                        {.public_url = settings.public_url});
-  Accounts accounts(account_store, hasher, code_check, clock, {.public_url = settings.public_url});
+  Accounts accounts(account_store, hasher, code_check, factor_key, clock,
+                    {.public_url = settings.public_url});
   SecondFactors second_factors(factor_store, accounts, code_check, factor_key, clock, {});
   AccountChanges account_changes(account_change_store, account_store, accounts, hasher, placed,
                                  clock, {.public_url = settings.public_url});

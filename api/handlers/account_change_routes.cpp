@@ -49,7 +49,7 @@ std::vector<Route> account_change_routes(AccountChanges& changes, const Front& f
     const std::string current = in.secret("current", kPasswordBytes);
     const std::string password = in.secret("password", kPasswordBytes);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    return answer(changes.change_password(who, current, password, request.address), 204);
+    return answer(changes.change_password(who, current, password), 204);
   };
   const auto ask_email = [&changes](const Request& request,
                                     const Principal& who) -> Outcome<Response> {
@@ -57,7 +57,7 @@ std::vector<Route> account_change_routes(AccountChanges& changes, const Front& f
     const std::string email = in.text("email", 3, 254);
     const std::string password = in.secret("password", kPasswordBytes);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    return answer(changes.request_email(who, email, password, request.address), 202);
+    return answer(changes.request_email(who, email, password), 202);
   };
   const auto confirm_email = [&changes](const Request& request,
                                         const Principal& who) -> Outcome<Response> {

@@ -63,11 +63,14 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, c
     const std::string password = in.secret("password", kPasswordBytes);
     const std::string code = in.text_or("code", "", kCodeCharacters);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto opened =
-        accounts.sign_in(email, password, code, request.address, browser_of(request));
+    const auto opened = accounts.sign_in(email, password, code, request.address,
+                                         browser_of(request), front.known_browser_of(request));
     if (!opened) return tl::unexpected(opened.error());
     auto response = me(accounts, render_time, opened->principal);
-    if (response) response->with("Set-Cookie", front.cookie(opened->token));
+    if (response) {
+      response->with("Set-Cookie", front.cookie(opened->token));
+      response->with("Set-Cookie", front.browser_cookie(opened->known_browser));
+    }
     return response;
   };
   const auto sign_out = [&accounts, &front](const Request& request,

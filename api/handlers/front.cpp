@@ -16,6 +16,7 @@ namespace diaphane::api {
 namespace {
 
 constexpr std::size_t kMaxResponseBytes = 1024 * 1024;
+constexpr auto kBrowserKnown = std::chrono::hours(24 * 180);
 
 std::string request_id_of(const Head& head) {
   const std::string_view given = head.header("x-request-id");
@@ -54,7 +55,8 @@ Front::Front(Accounts& accounts, Options options)
     : accounts_(accounts),
       options_(std::move(options)),
       secure_(options_.public_url.starts_with("https://")),
-      cookie_name_(secure_ ? "__Host-diaphane" : "diaphane") {}
+      cookie_name_(secure_ ? "__Host-diaphane" : "diaphane"),
+      browser_cookie_name_(cookie_name_ + "_browser") {}
 
 void Front::add(std::vector<Route> routes) {
   std::move(routes.begin(), routes.end(), std::back_inserter(routes_));
@@ -278,19 +280,34 @@ Response Front::finish(Response response, const Request& request) const {
 
 std::string Front::cookie(const std::string& token) const {
   const auto age = token.empty() ? std::chrono::seconds(0) : accounts_.session_life();
-  return cookie_name_ + "=" + token + "; Path=/; Max-Age=" + std::to_string(age.count()) +
+  return set_cookie(cookie_name_, token, age);
+}
+
+std::string Front::browser_cookie(const std::string& known_browser) const {
+  return set_cookie(browser_cookie_name_, known_browser, kBrowserKnown);
+}
+
+std::string Front::set_cookie(const std::string& name, const std::string& value,
+                              std::chrono::seconds age) const {
+  return name + "=" + value + "; Path=/; Max-Age=" + std::to_string(age.count()) +
          "; HttpOnly; SameSite=Strict" + (secure_ ? "; Secure" : "");
 }
 
-std::string Front::token_of(const Head& head) const {
+std::string Front::token_of(const Head& head) const { return cookie_of(head, cookie_name_); }
+
+std::string Front::known_browser_of(const Head& head) const {
+  return cookie_of(head, browser_cookie_name_);
+}
+
+std::string Front::cookie_of(const Head& head, std::string_view name) {
   std::string_view rest = head.header("cookie");
   while (!rest.empty()) {
     const std::size_t end = rest.find(';');
     std::string_view pair = rest.substr(0, end);
     rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
     while (pair.starts_with(' ')) pair.remove_prefix(1);
-    if (pair.starts_with(cookie_name_) && pair.substr(cookie_name_.size()).starts_with('=')) {
-      return std::string(pair.substr(cookie_name_.size() + 1));
+    if (pair.starts_with(name) && pair.substr(name.size()).starts_with('=')) {
+      return std::string(pair.substr(name.size() + 1));
     }
   }
   return {};

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -91,6 +93,10 @@ class Front {
   /// no plain connection can set; an empty token removes it.
   std::string cookie(const std::string& token) const;
   std::string token_of(const Head& head) const;
+  /// `diaphane_browser=...`: by it a browser that has signed in is known again (docs/adr/0007). It
+  /// is sent beside the other and outlives it.
+  std::string browser_cookie(const std::string& known_browser) const;
+  std::string known_browser_of(const Head& head) const;
 
  private:
   Admission admit_request(Head head) const;
@@ -98,12 +104,15 @@ class Front {
   Outcome<Principal> identify(const Route& route, const Request& request,
                               Accounts::Renewal renewal) const;
   Outcome<void> check_origin(const Request& request) const;
+  std::string set_cookie(const std::string& name, const std::string& value,
+                         std::chrono::seconds age) const;
+  static std::string cookie_of(const Head& head, std::string_view name);
   Response finish(Response response, const Request& request) const;
 
   Accounts& accounts_;
   Options options_;
   bool secure_;
-  std::string cookie_name_;
+  std::string cookie_name_, browser_cookie_name_;
   std::vector<Route> routes_;
 };
 

@@ -85,7 +85,7 @@ class FrontTest : public testing::Test {
   FakeSecondFactorStore factors;
   const SealingKey key = SealingKey::of_hex(std::string(64, '1')).value();
   CodeCheck codes{factors, store, key, clock, {}};
-  Accounts accounts{store, hasher, codes, clock, {.public_url = "https://see.example"}};
+  Accounts accounts{store, hasher, codes, key, clock, {.public_url = "https://see.example"}};
   Front front{accounts, {.public_url = "https://see.example", .sample_token = "s3cret"}};
   int served = 0;
   std::string checked;

@@ -61,7 +61,7 @@ std::vector<Route> privacy_routes(Exports& exports, AccountDeletion& deletion, c
     Fields in(request);
     const std::string password = in.secret("password", 800);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto done = deletion.remove(who, password, request.address);
+    const auto done = deletion.remove(who, password);
     if (!done) return tl::unexpected(done.error());
     return empty_response(204).with("Set-Cookie", front.cookie(""));
   };

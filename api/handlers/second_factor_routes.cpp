@@ -44,7 +44,7 @@ std::vector<Route> second_factor_routes(SecondFactors& factors) {
     Fields in(request);
     const std::string password = in.secret("password", kPasswordBytes);
     if (auto wrong = in.finish()) return tl::unexpected(*wrong);
-    const auto made = factors.begin(who, password, request.address);
+    const auto made = factors.begin(who, password);
     if (!made) return tl::unexpected(made.error());
     return json_response(201, {{"secret", made->secret}, {"uri", made->uri}});
   };
@@ -58,14 +58,13 @@ std::vector<Route> second_factor_routes(SecondFactors& factors) {
   const auto renew = [&factors](const Request& request, const Principal& who) -> Outcome<Response> {
     const auto given = read_both(request);
     if (!given) return tl::unexpected(given.error());
-    return codes_response(
-        factors.renew_recovery_codes(who, given->password, given->code, request.address));
+    return codes_response(factors.renew_recovery_codes(who, given->password, given->code));
   };
   const auto remove = [&factors](const Request& request,
                                  const Principal& who) -> Outcome<Response> {
     const auto given = read_both(request);
     if (!given) return tl::unexpected(given.error());
-    const auto done = factors.remove(who, given->password, given->code, request.address);
+    const auto done = factors.remove(who, given->password, given->code);
     if (!done) return tl::unexpected(done.error());
     return empty_response(204);
   };

@@ -84,10 +84,9 @@ Outcome<void> AccountChanges::reset(const std::string& token, const std::string&
 }
 
 Outcome<void> AccountChanges::change_password(const Principal& who, const std::string& current,
-                                              const std::string& password,
-                                              const std::string& address) {
+                                              const std::string& password) {
   if (auto fault = fault_of_password(password, who.email)) return refuse_field("password", *fault);
-  if (auto right = accounts_.confirm_password(who, "current", current, address); !right) {
+  if (auto right = accounts_.confirm_password(who, "current", current); !right) {
     return right;
   }
   auto hash = hasher_.hash(password);
@@ -102,12 +101,11 @@ Outcome<void> AccountChanges::change_password(const Principal& who, const std::s
 }
 
 Outcome<void> AccountChanges::request_email(const Principal& who, const std::string& new_email,
-                                            const std::string& password,
-                                            const std::string& address) {
+                                            const std::string& password) {
   if (!is_email(new_email)) return refuse_field("email", "This is not an e-mail address.");
   const std::string key = email_key(new_email);
   if (key == email_key(who.email)) return refuse_field("email", "This is your address already.");
-  if (auto right = accounts_.confirm_password(who, "password", password, address); !right) {
+  if (auto right = accounts_.confirm_password(who, "password", password); !right) {
     return right;
   }
   const auto now = clock_.wall();

@@ -93,10 +93,10 @@ class AccountChanges {
   /// kLinkExpired. Signs out everywhere.
   Outcome<void> reset(const std::string& token, const std::string& password);
   Outcome<void> change_password(const Principal& who, const std::string& current,
-                                const std::string& password, const std::string& address);
+                                const std::string& password);
   /// Mails a link to the new address and tells the old one.
   Outcome<void> request_email(const Principal& who, const std::string& new_email,
-                              const std::string& password, const std::string& address);
+                              const std::string& password);
   /// Only by the account that asked: whoever reads the mail of the new address must not be able to
   /// give it to a stranger's account (docs/adr/0034). kLinkExpired, kForbidden.
   Outcome<void> confirm_email(const Principal& who, const std::string& token);

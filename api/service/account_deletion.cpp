@@ -6,9 +6,8 @@
 
 namespace diaphane::api {
 
-Outcome<void> AccountDeletion::remove(const Principal& who, const std::string& password,
-                                      const std::string& address) {
-  if (auto right = accounts_.confirm_password(who, "password", password, address); !right) {
+Outcome<void> AccountDeletion::remove(const Principal& who, const std::string& password) {
+  if (auto right = accounts_.confirm_password(who, "password", password); !right) {
     return right;
   }
   const std::string key = email_key(who.email);

@@ -27,8 +27,7 @@ class AccountDeletion {
       : store_(store), accounts_(accounts), placement_(placement), clock_(clock) {}
 
   /// Confirmed by the password, as Accounts::confirm_password.
-  Outcome<void> remove(const Principal& who, const std::string& password,
-                       const std::string& address);
+  Outcome<void> remove(const Principal& who, const std::string& password);
   /// Called after files were noted for disposal, and a mail queued.
   void on_removal(std::function<void()> wake) { wake_ = std::move(wake); }
 

@@ -12,12 +12,31 @@ namespace {
 
 /// A session is noted as used no more often.
 constexpr auto kUseNoted = std::chrono::minutes(10);
+constexpr std::size_t kNonceDigits = 32;
 
 }  // namespace
 
 Accounts::Accounts(AccountStore& store, PasswordHasher& hasher, CodeCheck& codes,
-                   const Clock& clock, Options options)
-    : store_(store), hasher_(hasher), codes_(codes), clock_(clock), options_(std::move(options)) {}
+                   const SealingKey& key, const Clock& clock, Options options)
+    : store_(store),
+      hasher_(hasher),
+      codes_(codes),
+      key_(key),
+      clock_(clock),
+      options_(std::move(options)) {}
+
+std::string Accounts::browser_token(const Account& account, const std::string& nonce) const {
+  return nonce +
+         key_.mac("known browser\n" + account.id + "\n" + account.password_hash + "\n" + nonce);
+}
+
+std::optional<std::string> Accounts::known(const std::optional<Account>& account,
+                                           const std::string& cookie) const {
+  if (!account || !account->verified || !is_token(cookie)) return std::nullopt;
+  std::string nonce = cookie.substr(0, kNonceDigits);
+  if (!equal_in_constant_time(cookie, browser_token(*account, nonce))) return std::nullopt;
+  return nonce;
+}
 
 Outcome<void> Accounts::sign_up(const std::string& email, const std::string& address) {
   if (!is_email(email)) return refuse_field("email", "This is not an e-mail address.");
@@ -70,17 +89,15 @@ Outcome<void> Accounts::verify(const std::string& token, const std::string& pass
   return {};
 }
 
-Outcome<bool> Accounts::is_right(const std::optional<Account>& account,
-                                 const std::string& email_key, const std::string& password,
-                                 const std::string& address, Time now) {
-  const std::string by_account = attempt_key("account", email_key);
-  const std::string by_address = attempt_key("address", address);
+Outcome<bool> Accounts::is_right(const std::optional<Account>& account, const Counters& counters,
+                                 const std::string& password, Time now) {
+  std::vector<AttemptLimit> limits{{counters.whole, options_.failures_by_account, options_.window}};
+  if (counters.address) {
+    limits.push_back({*counters.address, options_.failures_by_address, options_.window});
+  }
   // Noted before the password is looked at, so that attempts side by side cannot pass the limit
   // together.
-  const auto wait =
-      store_.note_attempt({{by_account, options_.failures_by_account, options_.window},
-                           {by_address, options_.failures_by_address, options_.window}},
-                          now);
+  const auto wait = store_.note_attempt(limits, now);
   if (!wait) return refuse(wait.error());
   if (*wait) return too_many_attempts(**wait);
   const auto right = account && account->verified ? hasher_.verify(password, account->password_hash)
@@ -88,11 +105,15 @@ Outcome<bool> Accounts::is_right(const std::optional<Account>& account,
   if (!right) return refuse(right.error());
   if (!*right) return false;
   // The right password: not an attempt to guess it. The address keeps its other failures, or an
-  // attacker would clear them with an account of his own.
-  if (auto done = store_.forget_attempts(by_account, std::nullopt); !done) {
+  // attacker would clear them with an account of their own.
+  if (auto done = store_.forget_attempts(counters.whole, std::nullopt); !done) {
     return refuse(done.error());
   }
-  if (auto done = store_.forget_attempts(by_address, now); !done) return refuse(done.error());
+  if (counters.address) {
+    if (auto done = store_.forget_attempts(*counters.address, now); !done) {
+      return refuse(done.error());
+    }
+  }
   return true;
 }
 
@@ -114,12 +135,17 @@ Outcome<void> Accounts::check_code(const Account& account, const std::string& co
 
 Outcome<Accounts::Opened> Accounts::sign_in(const std::string& email, const std::string& password,
                                             const std::string& code, const std::string& address,
-                                            const std::string& browser) {
+                                            const std::string& browser,
+                                            const std::string& known_browser) {
   const auto now = clock_.wall();
   const std::string key = email_key(email);
   const auto account = store_.find_by_email(key);
   if (!account) return refuse(account.error());
-  const auto right = is_right(*account, key, password, address, now);
+  const auto nonce = known(*account, known_browser);
+  const Counters counters =
+      nonce ? Counters{attempt_key("known-browser", (*account)->id + *nonce), std::nullopt}
+            : Counters{attempt_key("account", key), attempt_key("address", address)};
+  const auto right = is_right(*account, counters, password, now);
   if (!right) return tl::unexpected(right.error());
   if (!*right) {
     return refuse(ProblemKind::kWrongCredentials, "The address or the password is wrong.");
@@ -138,14 +164,16 @@ Outcome<Accounts::Opened> Accounts::sign_in(const std::string& email, const std:
   auto principal = authenticate(opened.token);
   if (!principal) return tl::unexpected(principal.error());
   opened.principal = *std::move(principal);
+  opened.known_browser = browser_token(**account, nonce.value_or(random_hex(kNonceDigits / 2)));
   return opened;
 }
 
 Outcome<void> Accounts::confirm_password(const Principal& who, const std::string& field,
-                                         const std::string& password, const std::string& address) {
+                                         const std::string& password) {
   const auto account = store_.find_by_id(who.user_id);
   if (!account) return refuse(account.error());
-  const auto right = is_right(*account, email_key(who.email), password, address, clock_.wall());
+  const Counters counters{attempt_key("confirm", who.user_id + who.session_id), std::nullopt};
+  const auto right = is_right(*account, counters, password, clock_.wall());
   if (!right) return tl::unexpected(right.error());
   if (!*right) return refuse_field(field, "This is not your password.");
   return {};

@@ -9,6 +9,7 @@
 #include "api/service/code_check.h"
 #include "api/service/password.h"
 #include "api/service/problem.h"
+#include "api/service/secrets.h"
 #include "common/clock.h"
 
 namespace diaphane::api {
@@ -39,7 +40,7 @@ class Accounts {
     std::chrono::seconds administrator_idle = std::chrono::minutes(30);
     std::chrono::seconds administrator_limit = std::chrono::hours(12);
     std::chrono::seconds window = std::chrono::minutes(15);
-    int failures_by_account = 10;  ///< in `window`
+    int failures_by_account = 10;  ///< in `window`; of strangers, and of each known browser
     int failures_by_address = 50;  ///< in `window`
     int sign_ups_by_address = 30;  ///< in `window`
     /// Sign-up mails to one address in `window`. Every one of them holds a link that works.
@@ -49,10 +50,14 @@ class Accounts {
   struct Opened {
     std::string token;  ///< for the cookie; not kept anywhere here
     Principal principal;
+    /// For the cookie by which this browser is known to have signed in to this account; not kept
+    /// anywhere here. It ends with the account's password.
+    std::string known_browser;
   };
 
-  Accounts(AccountStore& store, PasswordHasher& hasher, CodeCheck& codes, const Clock& clock,
-           Options options);
+  /// `key` signs the cookies of known browsers.
+  Accounts(AccountStore& store, PasswordHasher& hasher, CodeCheck& codes, const SealingKey& key,
+           const Clock& clock, Options options);
 
   /// Mails a link. kInvalid for what can be said without knowing any account; else success, whoever
   /// has an account. `address` is the peer's, for the limit.
@@ -62,14 +67,16 @@ class Accounts {
   Outcome<void> verify(const std::string& token, const std::string& password);
   /// kWrongCredentials, also while the address is not confirmed; kDisabled, kTooManyAttempts; with
   /// the right password of an account that has a second factor, kCodeNeeded without a code and
-  /// kWrongCode with a wrong one. `browser` is a rough name.
+  /// kWrongCode with a wrong one. `browser` is a rough name. Failures of a browser that
+  /// `known_browser` shows to have signed in to this account before are counted for it alone:
+  /// strangers' failures do not lock it out.
   Outcome<Opened> sign_in(const std::string& email, const std::string& password,
                           const std::string& code, const std::string& address,
-                          const std::string& browser = "");
-  /// The password once more, before what cannot be undone; a wrong one is a fault of `field`, and
-  /// counts as a wrong sign-in does.
+                          const std::string& browser = "", const std::string& known_browser = "");
+  /// The password once more, before what cannot be undone; a wrong one is a fault of `field`.
+  /// Failures are counted for this sign-in alone.
   Outcome<void> confirm_password(const Principal& who, const std::string& field,
-                                 const std::string& password, const std::string& address);
+                                 const std::string& password);
   Outcome<void> sign_out(const std::string& token);
   /// Whether the use of a session is noted and its expiry moved.
   enum class Renewal { kYes, kNo };
@@ -86,14 +93,24 @@ class Accounts {
  private:
   /// kCodeNeeded, kWrongCode, or nothing where no code is needed or the right one was given.
   Outcome<void> check_code(const Account& account, const std::string& code);
+  /// Under which keys an attempt at a password is counted.
+  struct Counters {
+    std::string whole;                   ///< forgotten after a right password
+    std::optional<std::string> address;  ///< of the peer; keeps its other failures
+  };
   /// Whether the password is right; nothing that a caller says may depend on whether `account` is
   /// there.
-  Outcome<bool> is_right(const std::optional<Account>& account, const std::string& email_key,
-                         const std::string& password, const std::string& address, Time now);
+  Outcome<bool> is_right(const std::optional<Account>& account, const Counters& counters,
+                         const std::string& password, Time now);
+  /// The cookie's random half, when the whole was given to this browser for this account.
+  std::optional<std::string> known(const std::optional<Account>& account,
+                                   const std::string& cookie) const;
+  std::string browser_token(const Account& account, const std::string& nonce) const;
 
   AccountStore& store_;
   PasswordHasher& hasher_;
   CodeCheck& codes_;
+  const SealingKey& key_;
   const Clock& clock_;
   Options options_;
   std::function<void()> wake_mailer_ = [] {};

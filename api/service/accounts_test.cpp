@@ -39,7 +39,7 @@ class AccountsTest : public testing::Test {
   FakeSecondFactorStore factors;
   const SealingKey key = SealingKey::of_hex(std::string(64, '1')).value();
   CodeCheck codes{factors, store, key, clock, {}};
-  Accounts accounts{store, hasher, codes, clock, {.public_url = "https://see.example"}};
+  Accounts accounts{store, hasher, codes, key, clock, {.public_url = "https://see.example"}};
 };
 
 TEST_F(AccountsTest, NothingThatIsStoredOpensAnAccount) {
@@ -105,6 +105,40 @@ TEST_F(AccountsTest, AfterTenFailuresEvenTheRightPasswordWaitsUntilTheWindowHasP
   EXPECT_EQ(refused_sign_in(kPassword, "other"), ProblemKind::kTooManyAttempts);
   clock.advance(15min);
   EXPECT_TRUE(accounts.sign_in(kEmail, kPassword, "", "other"));
+}
+
+TEST_F(AccountsTest, StrangersFailuresDoNotLockOutABrowserThatHasSignedInBefore) {
+  sign_up_and_verify();
+  const auto before = accounts.sign_in(kEmail, kPassword, "", "home");
+  ASSERT_TRUE(before);
+  const std::string known = before->known_browser;
+  for (int i = 0; i < 10; ++i) refused_sign_in("wrong wrong", "home");
+  EXPECT_EQ(refused_sign_in(kPassword, "home"), ProblemKind::kTooManyAttempts);
+  const auto sign_in = [&](const std::string& password, const std::string& cookie) {
+    return accounts.sign_in(kEmail, password, "", "home", "", cookie);
+  };
+  EXPECT_TRUE(accounts.confirm_password(before->principal, "password", kPassword));
+  EXPECT_EQ(sign_in(kPassword, known)->known_browser, known);
+  EXPECT_EQ(refused_sign_in(kPassword, "home"), ProblemKind::kTooManyAttempts)
+      << "a known browser clears no counter but its own";
+
+  // Its own attempts are counted.
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(sign_in("wrong wrong", known).error().kind, ProblemKind::kWrongCredentials);
+  }
+  EXPECT_EQ(sign_in(kPassword, known).error().kind, ProblemKind::kTooManyAttempts);
+
+  // Neither forged nor of another account nor from before another password.
+  clock.advance(15min);
+  for (int i = 0; i < 10; ++i) refused_sign_in("wrong wrong", "home");
+  std::string forged = known;
+  forged.back() = forged.back() == '0' ? '1' : '0';
+  for (const std::string& cookie : {forged, std::string(64, 'a'), known + "0", std::string()}) {
+    EXPECT_EQ(sign_in(kPassword, cookie).error().kind, ProblemKind::kTooManyAttempts);
+  }
+  EXPECT_TRUE(sign_in(kPassword, known));
+  store.accounts.begin()->second.password_hash = *hasher.hash(kPassword);
+  EXPECT_EQ(sign_in(kPassword, known).error().kind, ProblemKind::kTooManyAttempts);
 }
 
 TEST_F(AccountsTest, ASuccessClearsTheAccountButNotTheAddress) {

@@ -44,9 +44,8 @@ Outcome<SecondFactorState> SecondFactors::state(const Principal& who) {
   return state;
 }
 
-Outcome<NewSecondFactor> SecondFactors::begin(const Principal& who, const std::string& password,
-                                              const std::string& address) {
-  if (auto right = accounts_.confirm_password(who, "password", password, address); !right) {
+Outcome<NewSecondFactor> SecondFactors::begin(const Principal& who, const std::string& password) {
+  if (auto right = accounts_.confirm_password(who, "password", password); !right) {
     return tl::unexpected(right.error());
   }
   const std::string secret = totp::new_secret();
@@ -83,11 +82,11 @@ Outcome<std::vector<std::string>> SecondFactors::confirm(const Principal& who,
 }
 
 Outcome<void> SecondFactors::confirm_both(const Principal& who, const std::string& password,
-                                          const std::string& code, const std::string& address) {
+                                          const std::string& code) {
   if (!who.second_factor) {
     return refuse(ProblemKind::kConflict, "Your account has no second factor.");
   }
-  if (auto right = accounts_.confirm_password(who, "password", password, address); !right) {
+  if (auto right = accounts_.confirm_password(who, "password", password); !right) {
     return right;
   }
   const auto right = codes_.take(who.user_id, who.email, code);
@@ -98,9 +97,8 @@ Outcome<void> SecondFactors::confirm_both(const Principal& who, const std::strin
 
 Outcome<std::vector<std::string>> SecondFactors::renew_recovery_codes(const Principal& who,
                                                                       const std::string& password,
-                                                                      const std::string& code,
-                                                                      const std::string& address) {
-  if (auto right = confirm_both(who, password, code, address); !right) {
+                                                                      const std::string& code) {
+  if (auto right = confirm_both(who, password, code); !right) {
     return tl::unexpected(right.error());
   }
   auto codes = new_recovery_codes();
@@ -113,8 +111,8 @@ Outcome<std::vector<std::string>> SecondFactors::renew_recovery_codes(const Prin
 }
 
 Outcome<void> SecondFactors::remove(const Principal& who, const std::string& password,
-                                    const std::string& code, const std::string& address) {
-  if (auto right = confirm_both(who, password, code, address); !right) return right;
+                                    const std::string& code) {
+  if (auto right = confirm_both(who, password, code); !right) return right;
   const auto done = store_.remove(
       who.user_id, mails::second_factor_removed(who.email, codes_.account_url()), clock_.wall());
   if (!done) return refuse(done.error());

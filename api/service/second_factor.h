@@ -39,8 +39,7 @@ class SecondFactors {
   Outcome<SecondFactorState> state(const Principal& who);
   /// A new secret, in place of one that was begun and not confirmed. kConflict: there is one
   /// already. A wrong password is a fault of "password".
-  Outcome<NewSecondFactor> begin(const Principal& who, const std::string& password,
-                                 const std::string& address);
+  Outcome<NewSecondFactor> begin(const Principal& who, const std::string& password);
   /// The first code: from now on signing in asks for one. Ends every other browser's session, and
   /// gives the recovery codes, which are shown this once. kConflict: none was begun, or too long
   /// ago. A wrong code is a fault of "code".
@@ -49,11 +48,9 @@ class SecondFactors {
   /// recovery code; kTooManyAttempts; kConflict: there is no second factor.
   Outcome<std::vector<std::string>> renew_recovery_codes(const Principal& who,
                                                          const std::string& password,
-                                                         const std::string& code,
-                                                         const std::string& address);
+                                                         const std::string& code);
   /// Refuses as renew_recovery_codes does.
-  Outcome<void> remove(const Principal& who, const std::string& password, const std::string& code,
-                       const std::string& address);
+  Outcome<void> remove(const Principal& who, const std::string& password, const std::string& code);
 
   void on_mail(std::function<void()> wake) { wake_mailer_ = std::move(wake); }
   /// Called after other browsers were signed out: their streams are to be ended.
@@ -62,7 +59,7 @@ class SecondFactors {
  private:
   /// Password and code once more, before what weakens the account.
   Outcome<void> confirm_both(const Principal& who, const std::string& password,
-                             const std::string& code, const std::string& address);
+                             const std::string& code);
 
   SecondFactorStore& store_;
   Accounts& accounts_;

@@ -126,7 +126,7 @@ class SecondFactorTest : public testing::Test {
     return shown.data();
   }
   std::vector<std::string> set_up() {
-    EXPECT_TRUE(second.begin(who, kPassword, "1.2.3.4"));
+    EXPECT_TRUE(second.begin(who, kPassword));
     auto codes = second.confirm(who, code());
     EXPECT_TRUE(codes);
     who.second_factor = true;
@@ -148,13 +148,13 @@ class SecondFactorTest : public testing::Test {
   PasswordHasher hasher{1};
   const SealingKey key = SealingKey::of_hex(std::string(64, '1')).value();
   CodeCheck check{factors, store, key, clock, {.public_url = "https://see.example"}};
-  Accounts accounts{store, hasher, check, clock, {.public_url = "https://see.example"}};
+  Accounts accounts{store, hasher, check, key, clock, {.public_url = "https://see.example"}};
   SecondFactors second{factors, accounts, check, key, clock, {}};
   Principal who;
 };
 
 TEST_F(SecondFactorTest, SigningInNeedsAFreshCodeOnceItIsSetUpAndNotBefore) {
-  ASSERT_TRUE(second.begin(who, kPassword, "1.2.3.4"));
+  ASSERT_TRUE(second.begin(who, kPassword));
   EXPECT_TRUE(let_in("")) << "begun is not set up";
   ASSERT_TRUE(second.confirm(who, code()));
   EXPECT_EQ(refused(""), ProblemKind::kCodeNeeded);
@@ -197,7 +197,7 @@ TEST_F(SecondFactorTest, ARecoveryCodeWorksOnceAndIsToldOf) {
   EXPECT_THAT(factors.mails.back().subject, HasSubstr("recovery code"));
   EXPECT_EQ(refused(codes[3]), ProblemKind::kWrongCode);
   EXPECT_EQ(second.state(who)->recovery_codes, 9);
-  const auto fresh = second.renew_recovery_codes(who, kPassword, codes[4], "1.2.3.4");
+  const auto fresh = second.renew_recovery_codes(who, kPassword, codes[4]);
   ASSERT_TRUE(fresh);
   EXPECT_EQ(refused(codes[5]), ProblemKind::kWrongCode);
   EXPECT_TRUE(let_in(fresh->front()));
@@ -205,25 +205,24 @@ TEST_F(SecondFactorTest, ARecoveryCodeWorksOnceAndIsToldOf) {
 
 TEST_F(SecondFactorTest, ASetUpThatWasLeftAloneIsForgottenAndOneThatIsDoneIsNotReplaced) {
   EXPECT_EQ(second.confirm(who, "123456").error().kind, ProblemKind::kConflict);
-  ASSERT_TRUE(second.begin(who, kPassword, "1.2.3.4"));
+  ASSERT_TRUE(second.begin(who, kPassword));
   const std::string first = code();
-  ASSERT_TRUE(second.begin(who, kPassword, "1.2.3.4"));
+  ASSERT_TRUE(second.begin(who, kPassword));
   EXPECT_EQ(second.confirm(who, first).error().kind, ProblemKind::kInvalid)
       << "of the first secret";
   clock.advance(61min);
   EXPECT_EQ(second.confirm(who, code()).error().kind, ProblemKind::kConflict);
   set_up();
-  EXPECT_EQ(second.begin(who, kPassword, "1.2.3.4").error().kind, ProblemKind::kConflict);
-  EXPECT_EQ(second.begin(who, "wrong", "1.2.3.4").error().kind, ProblemKind::kInvalid);
+  EXPECT_EQ(second.begin(who, kPassword).error().kind, ProblemKind::kConflict);
+  EXPECT_EQ(second.begin(who, "wrong").error().kind, ProblemKind::kInvalid);
 }
 
 TEST_F(SecondFactorTest, RemovingItNeedsPasswordAndCode) {
-  EXPECT_EQ(second.remove(who, kPassword, "123456", "1.2.3.4").error().kind,
-            ProblemKind::kConflict);
+  EXPECT_EQ(second.remove(who, kPassword, "123456").error().kind, ProblemKind::kConflict);
   set_up();
-  EXPECT_EQ(second.remove(who, "wrong", code(1), "1.2.3.4").error().fields[0].field, "password");
-  EXPECT_EQ(second.remove(who, kPassword, code(), "1.2.3.4").error().fields[0].field, "code");
-  ASSERT_TRUE(second.remove(who, kPassword, code(1), "1.2.3.4"));
+  EXPECT_EQ(second.remove(who, "wrong", code(1)).error().fields[0].field, "password");
+  EXPECT_EQ(second.remove(who, kPassword, code()).error().fields[0].field, "code");
+  ASSERT_TRUE(second.remove(who, kPassword, code(1)));
   EXPECT_THAT(factors.mails.back().subject, HasSubstr("no code any more"));
   EXPECT_TRUE(let_in(""));
 }

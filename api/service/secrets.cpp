@@ -105,6 +105,12 @@ std::optional<std::string> SealingKey::open(std::string_view sealed, std::string
   return plain;
 }
 
+std::string SealingKey::mac(std::string_view text) const {
+  std::array<unsigned char, 16> raw{};
+  crypto_generichash(raw.data(), raw.size(), bytes_of(text), text.size(), key_.data(), key_.size());
+  return hex(raw.data(), raw.size());
+}
+
 std::string digest(DigestKind kind, std::string_view bytes) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> raw{};
   unsigned int size = 0;

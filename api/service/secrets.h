@@ -38,6 +38,8 @@ class SealingKey {
   std::string seal(std::string_view plain, std::string_view whose) const;
   /// Nothing: sealed with another key, for another `whose`, or damaged.
   std::optional<std::string> open(std::string_view sealed, std::string_view whose) const;
+  /// A keyed BLAKE2b-128 of `text`, in hexadecimal: only who has the key can make it.
+  std::string mac(std::string_view text) const;
 
  private:
   SealingKey() = default;

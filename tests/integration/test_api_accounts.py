@@ -162,6 +162,24 @@ def test_wrong_passwords_are_counted_and_the_right_one_waits_too(api):  # noqa: 
     one.sign_in()
 
 
+def test_strangers_do_not_lock_out_a_browser_that_has_signed_in_before(api):  # noqa: F811
+    one = person(api)
+    returning = person(api)
+    assert returning.http.post("/v1/sign-out").status_code == 204
+    for target in (one, returning):
+        forget_attempts(api)
+        stranger = client(api)
+        for _ in range(10):
+            problem(stranger.post("/v1/sign-in", json={"email": target.email, "password": "guessing it"}), 401, "wrong-credentials")
+        problem(stranger.post("/v1/sign-in", json={"email": target.email, "password": PASSWORD}), 429, "too-many-attempts")
+        if target is returning:
+            assert set(returning.http.cookies) == {"diaphane_browser"}
+            returning.sign_in()
+        else:
+            wanted = {"current": PASSWORD, "password": "another long and quiet one"}
+            assert one.http.post("/v1/me/password", json=wanted).status_code == 204
+
+
 def test_forged_and_expired_cookies_are_nobody(api):  # noqa: F811
     one = person(api)
     for forged in ("0" * 64, "nonsense", one.http.cookies["diaphane"][:-1] + "x", ""):

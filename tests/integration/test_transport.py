@@ -46,6 +46,9 @@ def test_the_edge_passes_the_cookie_of_https_before_any_other(passed_on):
         assert passed_on(order) == secure, "what another host could have set does not stand in its way"
     for wrong in (f"__Host-diaphane={'a' * 63}", f"__Host-diaphane={'a' * 65}", f"x__Host-diaphane={'a' * 64}", "x=1"):
         assert passed_on(wrong) == ""
+    known, plainly = f"__Host-diaphane_browser={'c' * 64}", f"diaphane_browser={'d' * 64}"
+    assert passed_on(f"{known}; {secure}; {plainly}") == f"{secure}; {known}"
+    assert passed_on(f"{plainly}; {plain}") == f"{plain}; {plainly}" and passed_on(f"diaphane_browser={'d' * 65}") == ""
 
 
 def certificate(folder: Path, name: str) -> Path:
