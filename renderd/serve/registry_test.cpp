@@ -256,6 +256,7 @@ TEST_F(RegistryTest, AnEmptyRedisIsFilledAgainByTheWorkersThatHaveTheSessions) {
   open.set_session_id(id);
   open.set_volume_id(volume);
   open.set_placement(3);
+  open.set_guest_slices(true);
   open.set_user_id(user);
   auto owner = std::make_shared<Link>();
   Attachment attachment = *worker->host().open(open, owner);
@@ -280,6 +281,10 @@ TEST_F(RegistryTest, AnEmptyRedisIsFilledAgainByTheWorkersThatHaveTheSessions) {
     EXPECT_EQ(redis.field(key, "placement"), "3");
     EXPECT_EQ(redis.field(key, "scene"), scene.SerializeAsString());
     EXPECT_EQ(redis.field(key, "presenter"), "owner");
+    EXPECT_EQ(redis.field(key, "guest_slices"), "1");
+    EXPECT_EQ(redis.field(key, "visitor"), "") << "an account's session";
+    EXPECT_EQ(redis.ask({"KEYS", "diaphane:link:*"}),
+              std::vector<std::string>{"diaphane:link:" + link});
     EXPECT_EQ(redis.ask({"GET", "diaphane:link:" + link}), std::vector<std::string>{id});
     EXPECT_EQ(redis.ask({"ZRANGE", "diaphane:user:" + user + ":sessions", "0", "-1"}),
               std::vector<std::string>{id});
