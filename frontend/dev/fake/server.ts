@@ -11,7 +11,7 @@ let signed_in = false;
 const now = () => new Date().toISOString();
 const base = {
   description: "", body_part: null, role: "owner" as const, owner_name: "", shared: null, taken_down: null, published_at: null, anonymised_at: null,
-  owned: true, is_public: false, is_sample: false, public_slices: false, refusal: null, volume: null, upload: null, created_at: now(), updated_at: now() };
+  owned: true, is_public: false, is_sample: false, public_slices: false, refusal: null, volume: null, upload: null, waiting_for: null, created_at: now(), updated_at: now() };
 const volume = { modality: "CT" as const, size: [256, 256, 108] as const, spacing_mm: [0.957, 0.957, 1.5] as const, bytes: 14e6, repairs: [] };
 const sets: DataSet[] = [
   { ...base, id: randomUUID(), title: "Head, spring", state: "ready", volume },
