@@ -43,6 +43,18 @@ def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Pag
     follower.keyboard.press("Control+z")
     assert follower.get_by_role("button", name="Undo", exact=True).get_attribute("aria-disabled") == "true"
 
+    # No slices until the owner allows them: neither the button nor the key shows any.
+    expect(follower.get_by_role("button", name="Show the slices (V)")).to_have_count(0)
+    follower.keyboard.press("v")
+    expect(follower.locator(".slice-pane")).to_have_count(0)
+    owner.get_by_role("button", name="Share the picture").click()
+    switch = owner.get_by_role("checkbox", name="Guests may also see the slices")
+    expect(switch).not_to_be_checked()
+    switch.check()
+    expect(switch).to_be_checked()
+    owner.screenshot(path=pictures / "live-share-slices.png")
+    owner.get_by_role("dialog").get_by_role("button", name="Close").click()
+
     follower.get_by_role("button", name="Show the slices (V)").click()
     axial = follower.locator(".slice-pane[data-plane=axial] canvas")
     expect(axial).to_have_attribute("data-came", "true")
@@ -60,8 +72,27 @@ def follows_with_windows_and_slices(stack: TestStack, owner: Page, follower: Pag
     expect(owner.locator(".slice-pane[data-plane=axial] canvas")).to_have_attribute("data-index", str(begun))
     expect(owner.locator(".slice-pane[data-plane=axial] canvas")).to_have_attribute("data-came", "true")
     owner.keyboard.press("v")
-    follower.keyboard.press("v")
+
+    # What the owner cuts away goes from the follower's slices too: the middle of the volume, where the crosshair is.
+    owner.get_by_role("button", name="Cuts and slices", exact=True).click()
+    cuts = owner.get_by_role("dialog", name="Cuts and slices", exact=True)
+    cuts.locator("details.more > summary").click()
+    cuts.get_by_role("button", name="Add a plane").click()
+    offset = cuts.get_by_label("From the middle, typed")
+    offset.fill("-40")
+    offset.press("Enter")
+    expect(value).to_have_text("Cut away")
+    follower.screenshot(path=pictures / "live-follower-clipped.png")
+    cuts.get_by_role("button", name="Remove plane 1").click()
+    expect(value).to_contain_text("HU")
+    owner.get_by_role("button", name="Close Cuts and slices").click()
+
+    # Switched off, they are gone from the follower's page at once.
+    owner.get_by_role("button", name="Share the picture").click()
+    owner.get_by_role("checkbox", name="Guests may also see the slices").uncheck()
     expect(follower.locator(".slice-pane")).to_have_count(0)
+    expect(follower.get_by_role("button", name="Show the slices (V)")).to_have_count(0)
+    owner.get_by_role("dialog").get_by_role("button", name="Close").click()
     same_picture(stack, owner, follower)
 
 

@@ -93,6 +93,7 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     guest.screenshot(path=pictures / "shared-link.png")
     guest.get_by_role("button", name="Look at it").click()
     expect(guest.locator("canvas[data-samples]")).to_be_visible()
+    expect(guest.get_by_role("button", name="Show the slices (V)")).to_have_count(0)
 
     # Somebody else finds it, and keeps how it looked best.
     bert = Person.arrives(stack, visit(small=True), "bert")
@@ -191,4 +192,5 @@ def test_a_scan_is_published_found_and_looked_at_with_a_preset_of_ones_own(stack
     nobody.get_by_role("link", name="Look at A head to share").click()
     nobody.get_by_role("button", name="Look at it").click()
     expect(nobody.locator("canvas[data-samples]")).to_be_visible()
+    expect(nobody.get_by_role("button", name="Show the slices (V)")).to_be_visible()  # a sample is everybody's
     stack.psql("DELETE FROM data_sets WHERE id = %s", scan)  # not for the tests that come after
