@@ -8,7 +8,6 @@ import ssl
 import subprocess
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -124,7 +123,7 @@ def test_attacks_on_renderd_and_redis_are_refused_and_a_stream_goes_on(tls_stack
                              "-cert", str(ours / "own.pem"), "-key", str(ours / "own.key")], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     anew.stdin.write(b"R\n")
     anew.stdin.flush()
-    # Meanwhile many that say something else than a handshake, and then nothing more, and one that says a byte now and then.
+    # Meanwhile many that say something else than a handshake, and then nothing more.
     begun = time.monotonic()
     held = [socket.create_connection(("127.0.0.1", grpc), timeout=5) for _ in range(40) for _ in NO_HANDSHAKES]
     for one, data in zip(held, list(NO_HANDSHAKES.values()) * 40):
@@ -132,36 +131,30 @@ def test_attacks_on_renderd_and_redis_are_refused_and_a_stream_goes_on(tls_stack
             one.sendall(data)
         except OSError:
             pass            # refused already
-    with ThreadPoolExecutor(1) as pool:
-        dripping = pool.submit(drip, grpc, begun + 3 * HANDSHAKE_S)
-        until_pictures()
-        assert served(grpc, right, *doors["renderd"][1:]), "another client is served meanwhile"
-        for one in held:
-            one.settimeout(max(0.1, begun + 3 * HANDSHAKE_S - time.monotonic()))
-            try:
-                while one.recv(4096):
-                    pass
-            except ConnectionResetError:
-                pass        # ended, too
-            one.close()
-        assert dripping.result(), "a handshake of a byte now and then was let go on"
+    until_pictures()
+    assert served(grpc, right, *doors["renderd"][1:]), "another client is served meanwhile"
+    for one in held:
+        one.settimeout(max(0.1, begun + 3 * HANDSHAKE_S - time.monotonic()))
+        try:
+            while one.recv(4096):
+                pass
+        except ConnectionResetError:
+            pass            # ended, too
+        one.close()
     said, _ = anew.communicate(timeout=3 * HANDSHAKE_S)
     assert b"RENEGOTIATING" in said and said.count(b"Verify return code") <= 1 and anew.returncode != 0, said[-1500:]
     until_pictures()
 
 
-def drip(port: int, until: float) -> bool:
-    """Half a hello, a byte now and then; whether the other side ended it before `until`."""
-    with socket.create_connection(("127.0.0.1", port), timeout=1) as slow:
+def test_a_handshake_of_a_byte_now_and_then_is_ended_too(tls_stack):
+    _, grpc, until_pictures = tls_stack
+    until = time.monotonic() + 3 * HANDSHAKE_S
+    with socket.create_connection(("127.0.0.1", grpc), timeout=1) as slow, pytest.raises(OSError):
         for byte in b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + b"\0" * 200:
-            try:
-                slow.send(bytes([byte]))
-            except OSError:
-                return True
-            if time.monotonic() > until:
-                return False
+            slow.send(bytes([byte]))
             time.sleep(0.2)
-    return False
+            assert time.monotonic() < until, "it was let go on"
+    until_pictures()
 
 
 # Postgres, whose client we are
