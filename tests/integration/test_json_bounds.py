@@ -80,10 +80,10 @@ def test_deep_nesting_from_somebody_without_an_account_is_refused(stack):
 
 def test_deep_nesting_in_xml_is_refused(attacker):
     body = '<preset xmlns="urn:diaphane:preset" version="1" name="x">' + "<a>" * 37_000 + "</a>" * 37_000 + "</preset>"
-    answer = attacker.http.post(f"/v1/data-sets/{uuid.uuid4()}/presets", content=body[:256 * 1024], headers=XML)
+    answer = attacker.http.post(f"/v1/data-sets/{uuid.uuid4()}/presets/xml", content=body[:256 * 1024], headers=XML)
     assert problem(answer, 422, "invalid")["errors"][0]["field"] == "preset"
     shallow = '<preset xmlns="urn:diaphane:preset" version="1" name="x">' + "<a>" * 10_000 + "</a>" * 10_000 + "</preset>"
-    answer = attacker.http.post(f"/v1/data-sets/{uuid.uuid4()}/presets", content=shallow, headers=XML)
+    answer = attacker.http.post(f"/v1/data-sets/{uuid.uuid4()}/presets/xml", content=shallow, headers=XML)
     assert "nested too deeply" in problem(answer, 422, "invalid")["errors"][0]["message"]
 
 
