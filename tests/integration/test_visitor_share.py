@@ -105,7 +105,7 @@ def test_visits_from_one_address_leave_account_holders_their_slots(stack, owner,
     stack.wait_until(lambda: worker_counts(stack, visitors=SHARE), what="what the worker tells")
     holders = fill(stack, SLOTS)
     assert [viewer.close_code() for viewer in visitors] == [4411] * SHARE
-    problem(visit(stack, sample), 503, "busy")
+    problem(visit(stack, sample), 503, "no-worker")
     for viewer in holders:
         seq = viewer.turn(3)
         viewer.frame(condition=lambda frame: frame.input_seq >= seq)
