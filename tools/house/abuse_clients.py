@@ -32,8 +32,9 @@ class Attack:
         self.plan, self.counts, self.lock = plan, Counter(), threading.Lock()
         parts = urlsplit(plan["url"])
         self.host, self.port, self.origin = parts.hostname, parts.port, plan["url"]
-        if not self.host.startswith("127."):
+        if self.host != "localhost" and not self.host.startswith("127."):
             raise SystemExit("only this machine is attacked")
+        self.host = "127.0.0.1" if self.host == "localhost" else self.host
         self.until = time.monotonic() + plan["seconds"]
 
     def note(self, what: str) -> None:

@@ -141,9 +141,11 @@ def measure(quick: bool, options: argparse.Namespace) -> list[Result]:
                 time.sleep(1)    # until it has begun
                 attacked.append(_phase(ordinary, seconds - 1))
                 said, _ = attack.communicate(timeout=60)
+                if attack.returncode != 0 or not said:
+                    raise HouseError("the attackers ended with an error: nothing was attacked")
             finally:
                 attack.kill()
-            for what, count in json.loads(said or "{}").items():
+            for what, count in json.loads(said).items():
                 answers[what] = answers.get(what, 0) + count
             say(f"  {number + 1}: calm {_p95(calm[-1]):.0f} ms, attacked {_p95(attacked[-1]):.0f} ms, {len(attacked[-1].failures)} failures")
             time.sleep(1 if quick else 5)
