@@ -30,7 +30,8 @@ constexpr std::uint64_t kMb = std::uint64_t{1} << 20;
 /// A file without a name, so that nothing is left of it however we end.
 int unnamed_file(const std::string& directory) {
   const int fd = open(directory.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (fd >= 0) return fd;
+  const bool unknown = errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL;
+  if (fd >= 0 || !unknown) return fd;
   std::string name = directory + "/voxels-XXXXXX";  // a file system that has no such thing
   const int named = mkostemp(name.data(), O_CLOEXEC);
   if (named >= 0) unlink(name.c_str());

@@ -57,7 +57,8 @@ class JobStore {
  public:
   virtual ~JobStore() = default;
   /// The oldest job, of those that nobody holds, of the account that was served longest ago and has
-  /// no job under way. It is held by this claimer for a lease; its data set is "building".
+  /// no job under way; what belongs to nobody comes first. It is held by this claimer for a lease;
+  /// its data set is "building".
   virtual Result<std::optional<Job>> claim() = 0;
   /// Holds it for another lease.
   virtual Result<Hold> renew(const Job& job) = 0;

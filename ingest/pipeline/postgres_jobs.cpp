@@ -206,7 +206,7 @@ Result<std::optional<Job>> PostgresJobs::claim() {
            WHERE j.not_before <= now() AND (j.leased_until IS NULL OR j.leased_until <= now())
              AND ($3::bigint = 0 OR (NOT j.large AND COALESCE(u.length, d.volume_bytes, 0) <= $3::bigint))
              AND NOT EXISTS (SELECT FROM ingest_jobs r JOIN data_sets o ON o.id = r.data_set_id
-                              WHERE r.leased_until > now() AND o.owner_id IS NOT DISTINCT FROM d.owner_id)
+                              WHERE r.leased_until > now() AND o.owner_id = d.owner_id)
            ORDER BY t.served_at NULLS FIRST, j.created_at LIMIT 1 FOR UPDATE OF d, j SKIP LOCKED),
         building AS (
           UPDATE data_sets d SET state = 'building', updated_at = now() FROM next

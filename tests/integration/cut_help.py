@@ -133,5 +133,5 @@ def run_ingestd(stack, admin_port: int, killer: Path | None = None, step: int = 
     program = stack.stack.settings.layout.bin / "diaphane-ingestd"
     return subprocess.Popen(
         [str(program), "--postgres", stack.dsn, "--upload-dir", str(folder / "uploads"), "--volume-dir", str(folder / "volumes"),
-         "--scratch-dir", str(folder / "scratch"), "--admin-port", str(admin_port), "--lease-ms", "60000"],
+         "--scratch-dir", str(folder / "scratch"), "--admin-port", str(admin_port), "--lease-ms", "60000", "--light-mb", "0"],
         env=environment, stderr=subprocess.PIPE, text=True)

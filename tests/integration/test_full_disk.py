@@ -158,7 +158,7 @@ def test_an_export_waits_for_room_at_every_write(running):
             return somebody.http.get("/v1/me/export").json()
 
         def whole() -> None:
-            assert seen()["state"] == "queued" and [f for f in os.listdir(exports) if f.endswith(".zip")] == []
+            assert seen()["state"] == "queued" and list(exports.glob("*.zip")) == []
 
         wait_through(stack, disk, lambda: seen()["state"] == "ready", lambda: seen()["waiting"], whole)
         file = zipfile.ZipFile(io.BytesIO(somebody.http.get("/v1/me/export/file").content))
@@ -179,7 +179,8 @@ def test_a_deletion_is_carried_out_however_full_the_disk_is(running, owner):
         def gone() -> bool:
             return not volume_path(stack, one).exists() and stack.psql("SELECT count(*) FROM disposals WHERE id = %s", one) == [(0,)]
 
-        wait_through(stack, disk, gone, lambda: '"event":"not disposed of yet"' in stack.log("api"), lambda: None)
-        assert holders_of_mark(stack.data_dir / "volumes") == []
+        noted = f'"event":"not disposed of yet","id":"{one}"'
+        wait_through(stack, disk, gone, lambda: noted in stack.log("api"), lambda: None)
+        assert holders_of_mark(*(path for path in (stack.data_dir / "volumes").iterdir() if one in path.name)) == []
 
     assert at_every_step(disk, act) >= 3
