@@ -117,6 +117,7 @@ void RenderWorker::watch_store(const std::stop_token& stop) {
       host_->volume_gone(id);
     }
     voxels_->forget_unused();
+    facts_.forget_expired();
     // Some of it comes from the heap, which keeps what it is given back.
     if (take_freed_texture_memory() >= kWorthTrimming) malloc_trim(0);
     if (copies_) metrics_.volume_copies(copies_->counts());

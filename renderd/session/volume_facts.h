@@ -21,6 +21,9 @@ VolumeFacts facts_of(const volume::Volume& volume);
 class KeptFacts {
  public:
   void add(const std::shared_ptr<const DeviceVolume>& volume, VolumeFacts facts);
+  /// Drops the facts of volumes that nobody holds any more: the coarse copy of a small volume has
+  /// every voxel of it. To be called now and then.
+  void forget_expired();
   /// Empty when they are not known.
   VolumeFacts of(const DeviceVolume& volume) const;
 

@@ -35,5 +35,19 @@ TEST(KeptFacts, AreKeptForAVolumeAndNoLongerThanIt) {
   EXPECT_EQ(facts.coarse.use_count(), 1);
 }
 
+TEST(KeptFacts, AreDroppedWithoutAnotherVolumeComing) {
+  KeptFacts kept;
+  auto gone = std::make_shared<NoVolume>();
+  const auto held = std::make_shared<NoVolume>();
+  VolumeFacts facts;
+  facts.coarse = std::make_shared<const CoarseVolume>();
+  kept.add(gone, facts);
+  kept.add(held, facts);
+  gone.reset();
+  kept.forget_expired();
+  EXPECT_EQ(facts.coarse.use_count(), 2) << "ours, and that of the volume that is held";
+  EXPECT_EQ(kept.of(*held).coarse, facts.coarse);
+}
+
 }  // namespace
 }  // namespace diaphane::render
