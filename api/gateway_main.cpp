@@ -1,6 +1,5 @@
 // diaphane-gateway: the WebSocket gateway of the stream. Wiring only. It shares no process with the
 // REST API: a fault there ends no stream.
-#include <malloc.h>
 
 #include <atomic>
 #include <chrono>
@@ -16,6 +15,7 @@
 #include "common/log.h"
 #include "common/service/admin_server.h"
 #include "common/service/core_files.h"
+#include "common/service/freed_memory.h"
 #include "common/service/signals.h"
 #include "common/wire/inner_tls.h"
 
@@ -90,10 +90,8 @@ int serve(const GatewaySettings& settings, service::StopSignal& stop) {
 }  // namespace diaphane::api
 
 int main(int argc, char** argv) {
-  // The buffer of a large picture goes back to the system when it is freed. By itself the C library
-  // raises this threshold, and each thread keeps the largest block that it ever had.
-  mallopt(M_MMAP_THRESHOLD, 1 << 20);
   using namespace diaphane;
+  service::overwrite_freed_memory();  // pictures and slices
   service::forbid_core_files();
   ConfigReader in(argc, argv);
   const api::GatewaySettings settings = api::read_settings(in);
