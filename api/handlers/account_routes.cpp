@@ -69,7 +69,8 @@ std::vector<Route> account_routes(Accounts& accounts, RenderTime& render_time, c
     auto response = me(accounts, render_time, opened->principal);
     if (response) {
       response->with("Set-Cookie", front.cookie(opened->token));
-      response->with("Set-Cookie", front.browser_cookie(opened->known_browser));
+      // The HTTP library would join two Set-Cookie headers into one, so the edge sends this one.
+      response->with("X-Known-Browser", front.browser_cookie(opened->known_browser));
     }
     return response;
   };

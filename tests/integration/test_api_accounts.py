@@ -22,8 +22,10 @@ def test_the_way_of_a_new_person(api):  # noqa: F811
 
     signed_in = one.http.post("/v1/sign-in", json=given)
     assert signed_in.status_code == 200
-    cookie = signed_in.headers["set-cookie"]
-    assert "HttpOnly" in cookie and "SameSite=Strict" in cookie and "Path=/" in cookie
+    cookies = signed_in.headers.get_list("set-cookie")
+    assert sorted(cookie.split("=")[0] for cookie in cookies) == ["diaphane", "diaphane_browser"]
+    for cookie in cookies:
+        assert {"HttpOnly", "SameSite=Strict", "Path=/"} <= {part.strip() for part in cookie.split(";")}
     me = one.http.get("/v1/me").json()
     assert me == signed_in.json()
     assert me["email"] == one.email and me["quota"]["used_bytes"] == 0
