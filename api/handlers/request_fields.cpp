@@ -277,6 +277,9 @@ std::optional<std::chrono::system_clock::time_point> time_of(const std::string& 
   utc.tm_hour = std::stoi(found[4]);
   utc.tm_min = std::stoi(found[5]);
   utc.tm_sec = std::stoi(found[6]);
+  // A clock that counts nanoseconds in 64 bits ends in 2262.
+  constexpr int kFirstYear = 1970, kLastYear = 2200;
+  if (utc.tm_year < kFirstYear - 1900 || utc.tm_year > kLastYear - 1900) return std::nullopt;
   const std::tm given = utc;
   const std::time_t seconds =
       timegm(&utc);  // which sets it right: the 31st of February is another day

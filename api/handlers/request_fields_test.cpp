@@ -65,6 +65,16 @@ TEST(Fields, ABodyWithTooManyValuesIsUnreadable) {
   EXPECT_TRUE(wider.any("list").is_array());
 }
 
+TEST(TimeOf, IsAMomentThatTheClockCanHold) {
+  ASSERT_TRUE(time_of("2026-11-22T10:00:00.5Z"));
+  EXPECT_EQ(std::chrono::system_clock::to_time_t(*time_of("2026-11-22T10:00:00.5Z")), 1795341600);
+  EXPECT_TRUE(time_of("2200-12-31T23:59:59Z"));
+  for (const char* text : {"2570-11-22T10:00:00Z", "0001-01-01T00:00:00Z", "9999-12-31T23:59:59Z",
+                           "1969-12-31T23:59:59Z", "2026-02-31T00:00:00Z", "now"}) {
+    EXPECT_FALSE(time_of(text)) << text;
+  }
+}
+
 TEST(PresetFormat, ASceneNestedToTheLimitIsRefusedByItsField) {
   Fields in(json_request(with("scene", with("camera", nested(kDeepestJson - 2)))));
   EXPECT_TRUE(read_scene(in).empty());
