@@ -50,6 +50,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   (void)scene::check_scene(preset->scene, scene::no_pictures);
   written(*preset, {});
   written(*preset, text.substr(0, gap));
-  written(*preset, text.substr(std::min(gap + 1, text.size())));
+  const std::string_view kept = text.substr(std::min(gap + 1, text.size()));
+  if (scene::preset_from_xml(kept)) written(*preset, kept);
   return 0;
 }
