@@ -116,10 +116,11 @@ void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volum
   stacks_ = stacks_of(volume_->header());
   presets_ = std::move(presets);
   // A scene that an older program wrote may be refused by this one: better another look than none.
-  if (state_.wanted.scene && !check_scene(*state_.wanted.scene)) state_.wanted.scene.reset();
-  if (!state_.wanted.scene) {
-    state_.wanted.scene = std::make_shared<const v1::Scene>(presets_.front().scene());
+  if (state_.wanted.scene && !check_scene(*state_.wanted.scene)) {
+    fallback_clip_ = state_.wanted.scene->clip();
+    state_.wanted.scene.reset();
   }
+  if (!state_.wanted.scene) state_.wanted.scene = first_look();
   runner_handle_ =
       parts_.runner.add(shared_from_this(), std::move(*renderer), first_epoch(state_.placement));
   for (const Receiver& receiver : state_.audience.receivers) {
@@ -127,6 +128,15 @@ void LiveSession::volume_ready(Result<std::shared_ptr<const DeviceVolume>> volum
   }
   lead_branches();
   tell_audience();
+}
+
+std::shared_ptr<const v1::Scene> LiveSession::first_look() const {
+  auto look = std::make_shared<v1::Scene>(presets_.front().scene());
+  if (fallback_clip_) {
+    *look->mutable_clip() = *fallback_clip_;
+    if (!check_scene(*look)) look->clear_clip();
+  }
+  return look;
 }
 
 void LiveSession::receive(std::uint64_t connection, const std::string& bytes) {

@@ -227,6 +227,9 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   void close_unused_lanes();
   bool in_use(const Lane& lane) const;
 
+  /// The volume's own look; what the scene in its place had cut away stays cut away. Precondition:
+  /// the volume is there.
+  std::shared_ptr<const diaphane::v1::Scene> first_look() const;
   void lead_branches();
   void tell_stale_slices();
   std::shared_ptr<LiveSession> take_branch(std::uint64_t connection);
@@ -292,6 +295,7 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
   std::optional<File> file_;
   std::vector<diaphane::v1::Scene> key_views_;
   std::vector<diaphane::v1::Preset> presets_;
+  std::optional<diaphane::v1::Clip> fallback_clip_;  // of a scene that could not be shown
   /// What is wanted with all its textures decoded: what the runner is told.
   Wanted ready_;
   std::shared_ptr<const PreparedTextures> textures_;  // of `ready_`

@@ -47,10 +47,9 @@ void LiveSession::textures_decoded(const std::shared_ptr<const v1::Scene>& scene
     outcome = render::refused(state_, state_.wanted, decoded.error());
     // A session that has shown nothing yet shows the volume's first look.
     if (state_.wanted.scene == scene) {
+      fallback_clip_ = scene->clip();
       state_.wanted.scene.reset();  // volume_ready chooses
-      if (!presets_.empty()) {
-        state_.wanted.scene = std::make_shared<const v1::Scene>(presets_.front().scene());
-      }
+      if (!presets_.empty()) state_.wanted.scene = first_look();
     }
     ++state_.wanted.version;
   }
