@@ -158,7 +158,7 @@ def test_each_limit_of_request_bodies_is_in_the_table():
     """Those that the edge's Lua enforces."""
     file = "api/edge/nginx.conf.in"
     text = squeezed((REPO / file).read_text(encoding="utf-8"))
-    limits = re.findall(r"\w+ = \{ each = \d+, all = \d+ \}", text) + re.findall(r"local \w+ = \d+", text)
+    limits = re.findall(r"\w+ = \{ each = \d+, all = \d+ \}", text) + re.findall(r"local \w+ = [\d.]+", text)
     internal = {"local count_seconds = 3600"}   # how long a count is remembered
     assert len(limits) > 6
     assert {one for one in limits if one not in quoted_in(file)} - internal == set()
