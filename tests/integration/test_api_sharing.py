@@ -178,8 +178,10 @@ def test_what_a_disabled_account_shared_does_not_exist_until_it_is_enabled_again
     scene = CONTRACT.spec["components"]["schemas"]["Scene"]["example"]
     preset = owner.http.post(f"/v1/data-sets/{foreign}/presets", json={"name": "Mine", "scene": scene}).json()["id"]
 
+    key = secrets.token_hex(32)   # one visitor, who takes one place
+
     def visit() -> httpx.Response:
-        return client(api).post("/v1/visits", json={"key": secrets.token_hex(32), "token": token})
+        return client(api).post("/v1/visits", json={"key": key, "token": token})
 
     def answers() -> list[int]:
         return [friend.http.get(f"/v1/data-sets/{private}").status_code,
