@@ -79,11 +79,11 @@ constexpr const char* kQuotaLeft = R"sql(
     FROM users o WHERE o.id = (SELECT owner_id FROM data_sets WHERE id = $1))sql";
 
 struct PostgresJobs::Impl {
-  Impl(std::string url_, std::string claimer_, double lease_seconds_, std::int64_t light_bytes_)
-      : url(std::move(url_)),
-        claimer(std::move(claimer_)),
-        lease_seconds(lease_seconds_),
-        light_bytes(light_bytes_) {}
+  explicit Impl(Options options)
+      : url(std::move(options.url)),
+        claimer(std::move(options.claimer)),
+        lease_seconds(static_cast<double>(options.lease.count()) / 1000),
+        light_bytes(static_cast<std::int64_t>(options.light_bytes)) {}
 
   static constexpr postgres::Patience kPatience{};
   std::string url;
@@ -186,10 +186,7 @@ struct PostgresJobs::Impl {
   }
 };
 
-PostgresJobs::PostgresJobs(Options options)
-    : impl_(std::make_unique<Impl>(std::move(options.url), std::move(options.claimer),
-                                   static_cast<double>(options.lease.count()) / 1000,
-                                   static_cast<std::int64_t>(options.light_bytes))) {}
+PostgresJobs::PostgresJobs(Options options) : impl_(std::make_unique<Impl>(std::move(options))) {}
 PostgresJobs::~PostgresJobs() = default;
 
 Result<std::optional<Job>> PostgresJobs::claim() {

@@ -122,7 +122,7 @@ def dump(stack) -> bytes:
 def redis_dump(stack, lasting: bool = False) -> bytes:
     """All of it; `lasting`: but for tickets and for what says to workers that a session was ended, gone within a minute."""
     found = b""
-    raw = Redis(**{**stack.redis.connection_pool.connection_kwargs, "decode_responses": False})  # scenes are no text
+    raw = Redis(unix_socket_path=str(stack.stack.settings.socket("redis")))  # scenes are no text
     for key in stack.redis.scan_iter("*"):
         passing = key.startswith("diaphane:ticket:") or key.endswith(":ended")
         if lasting and passing and 0 < stack.redis.ttl(key) <= 60:
