@@ -36,7 +36,7 @@ TEST(Log, ALongTextIsCutOff) {
 TEST(Log, AnExceptionIsDescribedByItsTypeBecauseItsTextMayQuoteAnything) {
   EXPECT_EQ(log::describe(std::runtime_error("Key (email_key)=(somebody@example.org)")),
             "std::runtime_error");
-  EXPECT_EQ(log::describe(std::system_error(2, std::generic_category(), "/home/somebody")),
+  EXPECT_EQ(log::describe(std::system_error(2, std::generic_category(), "/scans/somebody")),
             "std::system_error, generic 2");
   EXPECT_EQ(log::describe(log::SafeError("response over 1 MB")), "response over 1 MB");
 }

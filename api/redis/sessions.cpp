@@ -56,13 +56,27 @@ Result<Placed> Sessions::place(const PlaceRequest& request) {
   const std::string placed = std::to_string(limits_.placed);
   const std::string remembered = std::to_string(limits_.remembered);
   const std::string percent = std::to_string(limits_.visitor_percent);
-  const Result<Reply> reply =
-      client_.run(kPlace, {request.session_id, request.user_id, request.data_set_id, ticket,
-                           kProtocolEpoch, reservation, ticket_s, session_s, placed, remembered,
-                           request.participant, request.name, request.link, request.first_scene,
-                           fleet_, request.browser, to_string(request.viewer),
-                           request.slices ? "1" : "0", request.visitor ? "1" : "", percent,
-                           request.visitor_from});
+  const Result<Reply> reply = client_.run(kPlace, {request.session_id,
+                                                   request.user_id,
+                                                   request.data_set_id,
+                                                   ticket,
+                                                   kProtocolEpoch,
+                                                   reservation,
+                                                   ticket_s,
+                                                   session_s,
+                                                   placed,
+                                                   remembered,
+                                                   request.participant,
+                                                   request.name,
+                                                   request.link,
+                                                   request.first_scene,
+                                                   fleet_,
+                                                   request.browser,
+                                                   to_string(request.viewer),
+                                                   request.slices ? "1" : "0",
+                                                   request.visitor ? "1" : "",
+                                                   percent,
+                                                   request.visitor_from});
   if (!reply) return tl::unexpected(reply.error());
   const std::string& what = reply->at(0);
   if (what == "placed") {

@@ -113,7 +113,7 @@ struct Attachment {
   SessionViewer viewer = SessionViewer::kGuest;
   bool slices = false;
   bool guest_slices = false;  ///< last known: the session's guests may have exact slices
-  bool visitor = false;                 ///< the session belongs to the visitors' share of the slots
+  bool visitor = false;       ///< the session belongs to the visitors' share of the slots
 };
 
 /// The gateway's side of a ticket. Thread-safe.

@@ -91,8 +91,8 @@ class LiveSession final : public RenderClient, public std::enable_shared_from_th
     std::string charged_to;    ///< whose render time it takes: user; empty: nobody's
     bool camera_only = false;  ///< of a follower with a camera of his own
     bool guest_slices = false;
-    bool visitor = false;      ///< within the visitors' share: of somebody without an account
-    std::string link = {};     ///< of a guest's own camera: the link that let him in
+    bool visitor = false;   ///< within the visitors' share: of somebody without an account
+    std::string link = {};  ///< of a guest's own camera: the link that let him in
     std::weak_ptr<LiveSession> group = {};  ///< of a follower's own camera
   };
   /// What a lost worker's successor needs, as it goes to Redis.
