@@ -118,14 +118,13 @@ Database::Mishap Database::judge(Lease& lease, CallSite where) {
       lease.discard();
       return Mishap::kAway;
     }
-    const postgres::SqlFault fault(error, where);
     // Two transactions at the same time: each saw that it may, and the second one broke a
     // constraint. Run again, it sees what the first one did.
     if (starts_with_any(error.sqlstate(), {"23503", "23505", "23514"})) {
-      log::info("sql_conflict", {{"reason", fault.what()}});
+      log::info("sql_conflict", {{"reason", postgres::SqlFault(error, where).what()}});
       return Mishap::kConflict;
     }
-    throw fault;
+    throw postgres::SqlFault(error, where);
   }
 }
 
