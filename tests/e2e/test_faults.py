@@ -51,6 +51,9 @@ def test_a_killed_program_is_said_and_when_it_is_back_all_goes_on_by_itself(shak
     expect(late.locator(".viewer-status")).to_have_attribute("data-phase", "live")
     late.close()
     expect(page.locator(".viewer-status")).to_have_attribute("data-phase", "live")
+    if program == "gateway":
+        # What was dragged meanwhile is sent, and numbered, once the page has come back.
+        last = stack.wait_until(lambda: last_input(page), what="the drag to be sent")
     turned = wait_for_samples(stack, page, ENOUGH, input_seq=last)
     seen = pixels(page)
     page.reload()
